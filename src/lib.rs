@@ -1,0 +1,34 @@
+//! Reflectance maths that is exact enough to be the reference and fast enough to be the inner loop.
+//!
+//! # Conventions
+//!
+//! Stated once, here, and true of every function in the crate and of its WGSL twin:
+//!
+//! * `f` is a BRDF in sr⁻¹, *without* the cosine. The radiance reflected from one light is `f · cos_i · irradiance⊥`.
+//! * Directions are unit vectors that point *away* from the surface: `wi` towards the light, `wo` towards the viewer.
+//! * They live in the local shading frame: normal +z, tangent +x ([`frame::Frame`] converts). `wi.z` and `wo.z` are the
+//!   cosines; where either is ≤ 0, `f` is 0.
+//! * The half vector `h` = wi + wo is *not* normalised ([`frame::half_vector`]).
+//! * Indices of refraction are `n + iκ` with κ ≥ 0; a term takes them relative to the medium that the light is in
+//!   (`eta` = n_t/n_i), a [`layered::Stack`] takes those of the materials themselves.
+//! * `alpha` is the width of a microfacet distribution, Beckmann's slope parameter √2·rms slope (the documents' `m`).
+//! * Albedo is ∫ f·cos dω over the hemisphere.
+//!
+//! # From a direction to radiance
+//!
+//! [`real`] and [`frame`] are the numbers and directions; [`fresnel`], [`distribution`], [`masking`], [`diffuse`],
+//! [`refraction`], [`absorption`] and [`phong`] are the terms; [`microfacet`] and [`layered`] are whole BRDFs;
+//! [`material`] holds measured data. [`wgsl`] holds the WGSL twin of each of these functions under the same name.
+#![cfg_attr(not(feature = "std"), no_std)]
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
+#[cfg(not(any(feature = "std", feature = "libm")))]
+compile_error!("brdf needs floating-point functions: enable the feature `std` (default) or `libm`");
+
+extern crate alloc;
+
+pub mod frame;
+pub mod real;
+
+pub use frame::{Frame, Vector, half_vector};
+pub use real::{Mask, Real};
