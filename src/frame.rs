@@ -256,7 +256,7 @@ mod tests {
     #[test]
     fn glam_converts_both_ways() {
         let v = glam::Vec3::new(1.0, 2.0, 3.0);
-        assert_eq!(glam::Vec3::from(Vector::from(v)), v);
+        assert_eq!(glam::Vec3::from(Vector::<f32>::from(v)), v);
         assert_eq!(Vector::from(glam::DVec3::Z), Vector::new(0.0, 0.0, 1.0));
     }
 }
