@@ -27,8 +27,16 @@ compile_error!("brdf needs floating-point functions: enable the feature `std` (d
 
 extern crate alloc;
 
+pub mod absorption;
+pub mod diffuse;
+pub mod distribution;
 pub mod frame;
+pub mod fresnel;
+pub mod masking;
+pub mod microfacet;
+pub mod phong;
 pub mod real;
+pub mod refraction;
 
 pub use frame::{Frame, Vector, half_vector};
 pub use real::{Mask, Real};

@@ -1,0 +1,300 @@
+//! Fresnel reflectance and transmittance of unpolarised light at a smooth interface, exact and approximate.
+//!
+//! Twin: `wgsl/fresnel.wgsl`. Cosines are those of the angle of incidence (for a microfacet, V·H). Indices are relative
+//! to the medium that the light comes from. [`dielectric`] and [`conductor`] are exact; the others trade error for cost.
+
+use crate::real::Real;
+
+/// The split of arriving power at an interface. The two parts sum to 1; each is computed directly, since 1−R loses
+/// every digit of a small transmittance.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Fresnel<R> {
+    /// The reflected fraction F of the power, in [0, 1].
+    pub reflectance: R,
+    /// The transmitted fraction T = 1−F of the power, in [0, 1].
+    pub transmittance: R,
+}
+
+/// The exact Fresnel equations of a dielectric.
+///
+/// $$F = \tfrac12 (r_s^2 + r_p^2),\quad r_s = \frac{c-g}{c+g},\quad r_p = \frac{\eta^2 c-g}{\eta^2 c+g},\quad g^2 = \eta^2 - 1 + c^2$$
+///
+/// In plain text: F = (rs² + rp²)/2 with rs = (c−g)/(c+g), rp = (η²c−g)/(η²c+g), g² = η²−1+c²; T = 1−F.
+///
+/// * `cos_i` in [0, 1]: cosine of the angle of incidence. At 0: F = 1. At 1: F = ((η−1)/(η+1))².
+/// * `eta` > 0: n_t/n_i. At η = 1: F = 0 for every angle. For η < 1, F = 1 and T = 0 from the critical angle on
+///   (c² ≤ 1−η²).
+///
+/// Error in f32: F ≤ 9 ULP, T ≤ 7 ULP for η in [1/4, 4], cos in [1e-6, 1] (`tests/precision.rs`), the critical angle
+/// included: g² is summed without rounding error. Source: Cook & Torrance 1982, eq. 18; Born & Wolf, §1.5.2, eq. 21.
+#[inline]
+pub fn dielectric<R: Real>(cos_i: R, eta: R) -> Fresnel<R> {
+    let c = cos_i;
+    let g_squared = refracted_square(c, eta);
+    let total = g_squared.lt(R::ZERO);
+    let g = g_squared.max(R::ZERO).sqrt();
+    // The differences c−g and η²c−g are written as quotients that do not cancel: (c−g)(c+g) = 1−η².
+    let e1 = (eta - R::ONE) * (eta + R::ONE);
+    let eta_squared = eta * eta;
+    let matched = (c + g).le(R::ZERO);
+    let sum_s = R::select(matched, R::ONE, (c + g).squared());
+    let sum_p = R::select(matched, R::ONE, (eta_squared * c + g).squared());
+    let rs = e1 / sum_s;
+    let rp = e1 * ((eta_squared + R::ONE) * c * c - R::ONE) / sum_p;
+    let transmittance = R::TWO * c * g * (R::ONE / sum_s + eta_squared / sum_p);
+    Fresnel {
+        reflectance: R::select(total, R::ONE, R::HALF * (rs * rs + rp * rp)),
+        transmittance: R::select(total, R::ZERO, R::select(matched, R::ONE, transmittance)),
+    }
+}
+
+/// g² = c² + η² − 1, η² times the squared cosine of the refracted ray; negative on total reflection.
+///
+/// Summed from exact products, so that it keeps its relative accuracy down to the critical angle. Error ≤ 1.5 ULP.
+#[inline]
+pub fn refracted_square<R: Real>(cos_i: R, eta: R) -> R {
+    let (c, c_error) = cos_i.product_exact(cos_i);
+    let (e, e_error) = eta.product_exact(eta);
+    let (excess, excess_error) = e.sum_exact(-R::ONE);
+    let (sum, sum_error) = c.sum_exact(excess);
+    sum + (sum_error + excess_error + (c_error + e_error))
+}
+
+/// The exact Fresnel equations of a conductor with the relative index n + iκ; κ = 0 is a dielectric.
+///
+/// $$F = \tfrac12 F_s (1 + F_q),\quad F_s = \frac{(a-c)^2+b^2}{(a+c)^2+b^2},\quad F_q = \frac{(ac-s^2)^2+b^2c^2}{(ac+s^2)^2+b^2c^2},\quad (a+ib)^2 = (n+i\kappa)^2 - s^2$$
+///
+/// In plain text: with s² = 1−c² and (a+ib)² = (n+iκ)²−s², F is half of Fs(1+Fq), Fs = ((a−c)²+b²)/((a+c)²+b²),
+/// Fq = ((ac−s²)²+b²c²)/((ac+s²)²+b²c²); T = 1−F, the power absorbed or refracted.
+///
+/// * `cos_i` in [0, 1]. At 0: F = 1. At 1: F = ((n−1)²+κ²)/((n+1)²+κ²).
+/// * `n` > 0 and `k` ≥ 0, relative to the (transparent) medium of incidence.
+///
+/// Error in f32: F ≤ 12 ULP, T ≤ 9 ULP for n in [0.02, 8], κ in [0, 12] (`tests/precision.rs`), except close to the
+/// critical angle of κ ≈ 0, n < 1, where [`dielectric`] is accurate. Source: Born & Wolf, §14.2, eq. 15–18; Elek
+/// 2010, §2.1 (which prints an approximation); the roots are chosen so that none cancels.
+#[inline]
+pub fn conductor<R: Real>(cos_i: R, n: R, k: R) -> Fresnel<R> {
+    let c = cos_i;
+    let e1 = (n - R::ONE) * (n + R::ONE) - k * k;
+    let real = e1 + c * c;
+    let nk = n * k;
+    let modulus = (real * real + R::from_f64(4.0) * nk * nk).sqrt();
+    let larger = (R::HALF * (modulus + real.abs())).sqrt();
+    let smaller = nk / R::select(larger.gt(R::ZERO), larger, R::ONE);
+    let above = real.ge(R::ZERO);
+    let a = R::select(above, larger, smaller);
+    let b = R::select(above, smaller, larger);
+    let b_squared = b * b;
+
+    let sum = (a + c).squared() + b_squared;
+    let matched = sum.le(R::ZERO);
+    let sum = R::select(matched, R::ONE, sum);
+    // a−c without cancellation: (a−c)(a+c) = e1+b².
+    let difference = (e1 + b_squared) / R::select(matched, R::ONE, a + c);
+    let s_squared = (R::ONE - c) * (R::ONE + c);
+    let ac = a * c;
+    let bc_squared = b_squared * c * c;
+    let sum_q = (ac + s_squared).squared() + bc_squared;
+    let fs = (difference * difference + b_squared) / sum;
+    let fq = ((ac - s_squared).squared() + bc_squared) / sum_q;
+    let ts = R::from_f64(4.0) * ac / sum;
+    let tq = R::from_f64(4.0) * ac * s_squared / sum_q;
+    Fresnel {
+        reflectance: R::HALF * fs * (R::ONE + fq),
+        transmittance: R::select(matched, R::ONE, ts + R::HALF * tq * (R::ONE - ts)),
+    }
+}
+
+/// The reflectance of a conductor for |n+iκ|² ≫ 1, the approximation that Mihaylov prints.
+///
+/// $$F \approx \tfrac12\left(\frac{(n-c)^2+\kappa^2}{(n+c)^2+\kappa^2} + \frac{(nc-1)^2+\kappa^2c^2}{(nc+1)^2+\kappa^2c^2}\right)$$
+///
+/// In plain text: the mean of ((n−c)²+κ²)/((n+c)²+κ²) and ((nc−1)²+κ²c²)/((nc+1)²+κ²c²).
+///
+/// * `cos_i` in [0, 1]; `n` > 0, `k` ≥ 0. At cos 0: F = 1; at cos 1: exact.
+///
+/// Differs from [`conductor`] by up to .099 at n = 1.5, κ = 0 and by ≤ .008 for κ ≥ 2. Rounding in f32: ≤ 8 ULP.
+/// Source: Mihaylov 2013, eq. 3.6 and 4.6 (its listing drops a factor: erratum 15).
+#[inline]
+pub fn conductor_approx<R: Real>(cos_i: R, n: R, k: R) -> R {
+    let c = cos_i;
+    let k_squared = k * k;
+    let kc_squared = k_squared * c * c;
+    let s = ((n - c).squared() + k_squared) / ((n + c).squared() + k_squared);
+    let p = ((n * c - R::ONE).squared() + kc_squared) / ((n * c + R::ONE).squared() + kc_squared);
+    R::HALF * (s + p)
+}
+
+/// The reflectance at normal incidence of a surface with the relative index n + iκ.
+///
+/// $$F_0 = \frac{(n-1)^2+\kappa^2}{(n+1)^2+\kappa^2}$$
+///
+/// In plain text: F0 = ((n−1)²+κ²)/((n+1)²+κ²). `n` > 0, `k` ≥ 0; 0 at n = 1, κ = 0.
+///
+/// Error in f32: ≤ 5 ULP. Source: Elek 2010, App. B; Born & Wolf, §14.2.
+#[inline]
+pub fn normal_incidence<R: Real>(n: R, k: R) -> R {
+    let k_squared = k * k;
+    ((n - R::ONE).squared() + k_squared) / ((n + R::ONE).squared() + k_squared)
+}
+
+/// Schlick's approximation from the reflectance at normal incidence.
+///
+/// $$F = F_0 + (1-F_0)(1-c)^5$$
+///
+/// In plain text: F = F0 + (1−F0)(1−c)⁵; T = 1−F, computed as (1−F0)·c·(1+q+q²+q³+q⁴) with q = 1−c.
+///
+/// * `cos_i` in [0, 1]; `f0` in [0, 1].
+///
+/// Error in f32: F ≤ 5 ULP, T ≤ 5 ULP of the formula; against the exact dielectric at n = 1.5 up to .036.
+/// Source: Schlick 1994, eq. 15.
+#[inline]
+pub fn schlick<R: Real>(cos_i: R, f0: R) -> Fresnel<R> {
+    let q = R::ONE - cos_i;
+    let q_squared = q * q;
+    let rest = R::ONE - f0;
+    Fresnel {
+        reflectance: f0 + rest * (q_squared * q_squared * q),
+        transmittance: rest * cos_i * ((R::ONE + q) * (R::ONE + q_squared) + q_squared * q_squared),
+    }
+}
+
+/// Schlick's approximation from the two indices of a dielectric interface.
+///
+/// F0 = ((n_t−n_i)/(n_t+n_i))², then [`schlick`]. `cos_i` in [0, 1]; `n_i`, `n_t` > 0. It knows no total reflection.
+///
+/// Error in f32: as [`schlick`]. Source: Mihaylov 2013, eq. 4.9; Schlick 1994, eq. 15.
+#[inline]
+pub fn schlick_from_indices<R: Real>(cos_i: R, n_i: R, n_t: R) -> Fresnel<R> {
+    schlick(cos_i, ((n_t - n_i) / (n_t + n_i)).squared())
+}
+
+/// Lazányi's approximation for metals without its correction: Schlick's with a complex index.
+///
+/// $$F = \frac{(n-1)^2 + 4n(1-c)^5 + \kappa^2}{(n+1)^2+\kappa^2}$$
+///
+/// In plain text: F = ((n−1)² + 4n(1−c)⁵ + κ²)/((n+1)²+κ²). `cos_i` in [0, 1], `n` > 0, `k` ≥ 0.
+///
+/// Error in f32: ≤ 7 ULP of the formula; against [`conductor`] up to .041 for copper and .243 for chromium at 84°.
+/// Source: Lazányi & Szirmay-Kalos 2005, eq. 5; Elek 2010, App. B, which prints the fourth power.
+#[inline]
+pub fn lazanyi_uncorrected<R: Real>(cos_i: R, n: R, k: R) -> R {
+    let q = R::ONE - cos_i;
+    let q_squared = q * q;
+    let k_squared = k * k;
+    ((n - R::ONE).squared() + R::from_f64(4.0) * n * (q_squared * q_squared * q) + k_squared)
+        / ((n + R::ONE).squared() + k_squared)
+}
+
+/// Lazányi's approximation for metals with its correction.
+///
+/// $$F = \frac{(n-1)^2 + 4n(1-c)^5 + \kappa^2}{(n+1)^2+\kappa^2} - a\,c\,(1-c)^{e}$$
+///
+/// In plain text: [`lazanyi_uncorrected`] − a·c·(1−c)^e.
+///
+/// * `cos_i` in [0, 1]; `n` > 0, `k` ≥ 0; `a` and `exponent` > 0 from [`lazanyi_fit`].
+///
+/// Error in f32: ≤ 16 ULP of the formula; against [`conductor`] ≤ .0195 for the fitted seed metals.
+/// Source: Lazányi & Szirmay-Kalos 2005, eq. 6.
+#[inline]
+pub fn lazanyi<R: Real>(cos_i: R, n: R, k: R, a: R, exponent: R) -> R {
+    let inside = cos_i.lt(R::ONE);
+    let log = R::select(inside, -cos_i, R::ZERO).ln_one_plus();
+    let power = R::select(inside, (exponent * log).exp(), R::ZERO);
+    lazanyi_uncorrected(cos_i, n, k) - a * cos_i * power
+}
+
+/// The constants of [`lazanyi`] for one index, and the error they leave.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LazanyiFit {
+    /// The factor a.
+    pub a: f64,
+    /// The exponent e.
+    pub exponent: f64,
+    /// The largest |lazanyi − conductor| over cos in [0, 1].
+    pub max_error: f64,
+}
+
+/// Fits the constants of [`lazanyi`] to the exact conductor so that the largest error over cos in [0, 1] is smallest.
+///
+/// `n` > 0 and `k` ≥ 0, relative. For each exponent the best factor is that of a one-dimensional Chebyshev
+/// approximation (convex); the exponent is searched on [1, 12]. About 0.1 s a metal: a preparation, not a shading cost.
+/// Source: Lazányi & Szirmay-Kalos 2005, §3.
+pub fn lazanyi_fit(n: f64, k: f64) -> LazanyiFit {
+    const SAMPLES: usize = 400;
+    // Dense towards grazing, where the error bends: c = x².
+    let sample = |i: usize| (i as f64 / SAMPLES as f64).squared();
+    let mut rest = [0.0; SAMPLES + 1];
+    for (i, r) in rest.iter_mut().enumerate() {
+        let c = sample(i);
+        *r = lazanyi_uncorrected(c, n, k) - conductor(c, n, k).reflectance;
+    }
+    let error = |a: f64, exponent: f64| {
+        let mut worst = 0.0f64;
+        for (i, r) in rest.iter().enumerate() {
+            let c = sample(i);
+            let q = 1.0 - c;
+            let power = if q > 0.0 { Real::exp(exponent * Real::ln(q)) } else { 0.0 };
+            worst = worst.max(Real::abs(r - a * c * power));
+        }
+        worst
+    };
+    let best_factor = |exponent: f64| golden_section(-20.0, 20.0, 48, |a| error(a, exponent));
+    // The outer function has one valley for every index tried, but nothing promises it: search from a coarse grid.
+    let (mut coarse, mut least) = (1.0, f64::INFINITY);
+    for i in 0..23 {
+        let exponent = 1.0 + 0.5 * f64::from(i);
+        let value = error(best_factor(exponent), exponent);
+        if value < least {
+            (coarse, least) = (exponent, value);
+        }
+    }
+    let exponent = golden_section(coarse - 0.5, coarse + 0.5, 30, |e| error(best_factor(e), e));
+    let a = best_factor(exponent);
+    LazanyiFit { a, exponent, max_error: error(a, exponent) }
+}
+
+/// The argument in [low, high] at which a function with one valley is smallest.
+fn golden_section(low: f64, high: f64, steps: usize, f: impl Fn(f64) -> f64) -> f64 {
+    const RATIO: f64 = 0.618_033_988_749_894_9;
+    let (mut low, mut high) = (low, high);
+    let (mut x1, mut x2) = (high - RATIO * (high - low), low + RATIO * (high - low));
+    let (mut f1, mut f2) = (f(x1), f(x2));
+    for _ in 0..steps {
+        if f1 < f2 {
+            (high, x2, f2) = (x2, x1, f1);
+            x1 = high - RATIO * (high - low);
+            f1 = f(x1);
+        } else {
+            (low, x1, f1) = (x1, x2, f2);
+            x2 = low + RATIO * (high - low);
+            f2 = f(x2);
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// Schlick's approximation with a tint at 82°, where the reflectance of many metals dips.
+///
+/// $$F = F_s(c) - \frac{F_s(\bar c)(1-t)}{\bar c(1-\bar c)^6}\,c\,(1-c)^6,\quad \bar c = 1/7,\quad F_s = \text{Schlick}$$
+///
+/// In plain text: Schlick's F minus c(1−c)⁶·Fs(1/7)(1−t)/((1/7)(6/7)⁶), so that F(1/7) = t·Fs(1/7).
+///
+/// * `cos_i`, `f0`, `tint` in [0, 1]. At tint 1: [`schlick`].
+///
+/// Error in f32: ≤ 12 ULP of the formula where F > 0.05. Source: Kutz, Hašan & Edmondson 2021, "Novel aspects of the Adobe Standard
+/// Material", §2.3; OpenPBR 1.1, "Metal".
+#[inline]
+pub fn f82_tint<R: Real>(cos_i: R, f0: R, tint: R) -> R {
+    // 1/(c̄(1−c̄)⁶) and (1−c̄)⁵ at c̄ = 1/7.
+    let at_peak = R::from_f64(823_543.0 / 46_656.0);
+    let fifth = R::from_f64(7_776.0 / 16_807.0);
+    let q = R::ONE - cos_i;
+    let q_squared = q * q;
+    let schlick_bar = f0 + (R::ONE - f0) * fifth;
+    let dip = schlick_bar * (R::ONE - tint) * at_peak;
+    let base = f0 + (R::ONE - f0) * (q_squared * q_squared * q);
+    base - dip * cos_i * (q_squared * q_squared * q_squared)
+}

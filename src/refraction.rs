@@ -1,0 +1,32 @@
+//! Refraction of directions at a smooth interface (Snell's law).
+//!
+//! Twin: `wgsl/refraction.wgsl`. Refracted directions point *away* from the surface and upward, as all directions of
+//! this crate do: they are what the light or viewer direction becomes seen from an interface below.
+
+use crate::frame::Vector;
+use crate::fresnel::refracted_square;
+use crate::real::Real;
+
+/// The cosine of the refracted ray, 0 on total reflection.
+///
+/// $$\cos\theta_t = \frac{1}{\eta}\sqrt{\eta^2-1+\cos^2\theta_i}$$
+///
+/// In plain text: cos_t = √(η²−1+cos_i²)/η. `cos_i` in [0, 1], `eta` = n_t/n_i > 0. At η = 1: cos_i.
+///
+/// Error in f32: ≤ 3 ULP for η in [1/4, 4], the critical angle included. Source: Snell; Mihaylov 2013, eq. 3.3.
+#[inline]
+pub fn cos_t<R: Real>(cos_i: R, eta: R) -> R {
+    refracted_square(cos_i, eta).max(R::ZERO).sqrt() / eta
+}
+
+/// A local direction refracted about the normal, pointing away from the surface.
+///
+/// In plain text: (x/η, y/η, cos_t). `w` is a local unit vector with `w.z` ≥ 0, `eta` = n_t/n_i > 0. On total
+/// reflection, and from a direction at or below the horizon that has no refracted ray, `z` is 0: nothing is transmitted.
+///
+/// Error in f32: x, y ≤ 1 ULP, z ≤ 3 ULP. Source: Snell; Elek 2010, Algorithm 1, lines 7–8, which print
+/// −refract(L, N, 1/n); that flips the tangential part (erratum 9).
+#[inline]
+pub fn refract<R: Real>(w: Vector<R>, eta: R) -> Vector<R> {
+    Vector::new(w.x / eta, w.y / eta, cos_t(w.z, eta))
+}
