@@ -6,7 +6,7 @@ use crate::distribution;
 use crate::frame::{Vector, half_vector};
 use crate::fresnel;
 use crate::masking;
-use crate::real::{Mask, Real};
+use crate::real::Real;
 
 /// The Torrance–Sparrow BRDF with the factors that it is the product of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

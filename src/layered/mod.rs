@@ -1,0 +1,187 @@
+//! Layered stacks: what an artist writes down, and the models that evaluate it.
+//!
+//! A [`Stack`] lists its layers from the top. Each [`Layer`] is an interface and the medium under it; indices are those
+//! of the materials themselves, against vacuum, and the library forms the ratios. An interface with κ > 0 may have
+//! layers under it (an oxide): directions refract by its n, its Fresnel terms use n + iκ.
+//!
+//! [`model`] holds the evaluations, whose twin is `wgsl/layered.wgsl`.
+
+#[cfg(feature = "toml")]
+pub mod description;
+mod error;
+pub mod model;
+
+use crate::frame::Vector;
+use crate::real::Real;
+use alloc::vec::Vec;
+pub use error::StackError;
+pub use model::{conserving, elek, internal_reflection};
+
+/// The widths that an interface may have.
+pub const ALPHA_RANGE: core::ops::RangeInclusive<f64> = 1e-4..=1.0;
+
+/// The boundary at the top of a layer, over `C` colour channels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Interface<R, const C: usize> {
+    /// A rough dielectric or conductor of index n + iκ: Beckmann's distribution under V-cavities.
+    Microfacet {
+        /// The real part of the index, > 0.
+        n: [R; C],
+        /// The imaginary part of the index, ≥ 0; 0 for a dielectric.
+        k: [R; C],
+        /// The width of the distribution, in [1e-4, 1].
+        alpha: R,
+    },
+    /// An opaque Oren–Nayar base. Nothing lies below it.
+    Diffuse {
+        /// The reflectance of its facets, in [0, 1].
+        albedo: [R; C],
+        /// The standard deviation of the slope angle in radians, in [0, π/2].
+        sigma: R,
+    },
+}
+
+impl<R: Real, const C: usize> Interface<R, C> {
+    /// A dielectric of one index for all channels.
+    pub fn dielectric(n: R, alpha: R) -> Self {
+        Interface::Microfacet { n: [n; C], k: [R::ZERO; C], alpha }
+    }
+
+    /// A conductor with an index for each channel.
+    pub fn conductor(n: [R; C], k: [R; C], alpha: R) -> Self {
+        Interface::Microfacet { n, k, alpha }
+    }
+
+    /// An Oren–Nayar base.
+    pub fn diffuse(albedo: [R; C], sigma: R) -> Self {
+        Interface::Diffuse { albedo, sigma }
+    }
+}
+
+/// The absorbing medium between an interface and the next one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Medium<R, const C: usize> {
+    /// The absorption coefficient in 1/length, ≥ 0.
+    pub sigma: [R; C],
+    /// The thickness in the same length, ≥ 0.
+    pub thickness: R,
+}
+
+impl<R: Real, const C: usize> Medium<R, C> {
+    /// A medium that absorbs nothing.
+    pub const CLEAR: Self = Medium { sigma: [R::ZERO; C], thickness: R::ZERO };
+}
+
+/// An interface and the medium below it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layer<R, const C: usize> {
+    /// The boundary that light meets.
+    pub interface: Interface<R, C>,
+    /// What lies between it and the next layer; of no effect in the last layer.
+    pub medium: Medium<R, C>,
+}
+
+impl<R: Real, const C: usize> Layer<R, C> {
+    /// An interface over a clear medium.
+    pub fn new(interface: Interface<R, C>) -> Self {
+        Layer { interface, medium: Medium::CLEAR }
+    }
+
+    /// The same interface over an absorbing medium.
+    pub fn over(self, sigma: [R; C], thickness: R) -> Self {
+        Layer { medium: Medium { sigma, thickness }, ..self }
+    }
+}
+
+/// How a stack is evaluated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Model {
+    /// The documents' model as printed, with normalised microfacets: [`elek`]. It gains energy, up to 2.8 times.
+    Elek,
+    /// Full Fresnel transmittance of both directions and 1/n² compression: [`conserving`]. The default.
+    #[default]
+    Conserving,
+}
+
+impl Model {
+    /// Every model.
+    pub const ALL: [Model; 2] = [Model::Elek, Model::Conserving];
+
+    /// The name that stack files and the command line use.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Model::Elek => "elek",
+            Model::Conserving => "conserving",
+        }
+    }
+
+    /// The model of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|model| model.name() == name)
+    }
+}
+
+/// A valid stack of layers over `C` colour channels, and the model that evaluates it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stack<R, const C: usize> {
+    layers: Vec<Layer<R, C>>,
+    model: Model,
+}
+
+impl<R: Real, const C: usize> Stack<R, C> {
+    /// A stack of these layers, listed from the top.
+    ///
+    /// # Errors
+    ///
+    /// Names the layer and the key that is out of range: no layer at all, α outside [1e-4, 1], n ≤ 0, negative κ, σ or
+    /// thickness, an albedo outside [0, 1], a diffuse base that is not the last layer, any number that is not finite.
+    pub fn new(model: Model, layers: Vec<Layer<R, C>>) -> Result<Self, StackError> {
+        error::validate(&layers)?;
+        Ok(Stack { layers, model })
+    }
+
+    /// The layers, from the top.
+    pub fn layers(&self) -> &[Layer<R, C>] {
+        &self.layers
+    }
+
+    /// The model that [`Stack::evaluate`] uses.
+    pub fn model(&self) -> Model {
+        self.model
+    }
+
+    /// The same layers under another model.
+    pub fn with_model(self, model: Model) -> Self {
+        Stack { model, ..self }
+    }
+
+    /// The BRDF in sr⁻¹ for a pair of local unit directions, a value for each channel.
+    ///
+    /// `wi` points towards the light, `wo` towards the viewer. 0 where either is at or below the horizon.
+    #[inline]
+    pub fn evaluate(&self, wi: impl Into<Vector<R>>, wo: impl Into<Vector<R>>) -> [R; C] {
+        let (wi, wo) = (wi.into(), wo.into());
+        match self.model {
+            Model::Elek => elek(&self.layers, wi, wo),
+            Model::Conserving => conserving(&self.layers, wi, wo),
+        }
+    }
+
+    /// The same stack over another number type.
+    pub fn cast<S: Real>(&self) -> Stack<S, C> {
+        let one = |x: R| S::from_f64(x.to_f64());
+        let layer = |layer: &Layer<R, C>| Layer {
+            interface: match layer.interface {
+                Interface::Microfacet { n, k, alpha } => {
+                    Interface::Microfacet { n: n.map(one), k: k.map(one), alpha: one(alpha) }
+                }
+                Interface::Diffuse { albedo, sigma } => {
+                    Interface::Diffuse { albedo: albedo.map(one), sigma: one(sigma) }
+                }
+            },
+            medium: Medium { sigma: layer.medium.sigma.map(one), thickness: one(layer.medium.thickness) },
+        };
+        Stack { layers: self.layers.iter().map(layer).collect(), model: self.model }
+    }
+}
