@@ -63,25 +63,33 @@ pub fn oren_nayar<R: Real>(wi: Vector<R>, wo: Vector<R>, sigma: R) -> OrenNayar<
     let sin_alpha = R::select(i_larger, sin_i, sin_o);
     let (least, most) = (cos_i.min(cos_o), cos_i.max(cos_o));
     let sin_beta = R::select(i_larger, sin_o, sin_i);
-    let (alpha, beta) = (sin_alpha.angle(least), sin_beta.angle(most));
+    let frac_2_pi = R::TWO * R::FRAC_1_PI;
+    let alpha_share = sin_alpha.angle(least) * frac_2_pi;
+    // β is measured from grazing, where the terms that hold it meet tangents: 2β/π = 1−δ.
+    let delta = most.angle(sin_beta) * frac_2_pi;
+    let beta_share = R::ONE - delta;
 
     // cosΔφ·sinα·sinβ, and cosΔφ where neither direction is the normal.
     let across = wi.x * wo.x + wi.y * wo.y;
     let product = sin_i * sin_o;
-    let azimuth = across / R::select(product.gt(R::ZERO), product, R::ONE);
-    let azimuth = azimuth.max(-R::ONE).min(R::ONE);
+    let tilted = product.gt(R::ZERO);
+    let product = R::select(tilted, product, R::ONE);
+    let azimuth = (across / product).max(-R::ONE).min(R::ONE);
+    // 1−|cosΔφ| as sin²Δφ/(1+|cosΔφ|): at grazing it meets a tangent that would magnify its cancellation.
+    let sine = (wi.x * wo.y - wi.y * wo.x) / product;
+    let sideways = R::select(tilted, sine * sine / (R::ONE + azimuth.abs()), R::ONE);
 
-    let frac_2_pi = R::TWO * R::FRAC_1_PI;
-    let beta_share = beta * frac_2_pi;
-    let angles = alpha * frac_2_pi * beta_share;
-    let shared = variance / (variance + R::from_f64(0.09));
+    let ratio = variance / (variance + R::from_f64(0.09));
     let c1 = R::ONE - R::HALF * variance / (variance + R::from_f64(0.33));
-    // C2·cosΔφ·tanβ = 0.45·shared·(across/cosβ − [cosΔφ<0]·cosΔφ·tanβ·(2β/π)³).
-    let tan_beta = sin_beta / most;
-    let backward = azimuth.min(R::ZERO) * tan_beta * (beta_share * beta_share * beta_share);
-    let c2 = R::from_f64(0.45) * shared * (across / most - backward);
+    // Forward: cosΔφ·tanβ·sinα. Backward: cosΔφ·tanβ·(sinα − (1−δ)³), where both are near 1.
+    let forward = across / most;
+    let three = R::from_f64(3.0);
+    let dent = delta * (three - delta * (three - delta)) - least * least / (R::ONE + sin_alpha);
+    let slanted = R::select(azimuth.lt(R::ZERO), azimuth * (sin_beta / most) * dent, forward);
+    let c2 = R::from_f64(0.45) * ratio * slanted;
+    let angles = alpha_share * beta_share;
     let half_tangent = (sin_alpha + sin_beta) / (least + most);
-    let c3 = R::from_f64(0.125) * shared * angles * angles * (R::ONE - azimuth.abs()) * half_tangent;
+    let c3 = R::from_f64(0.125) * ratio * angles * angles * sideways * half_tangent;
     let second = R::from_f64(0.17) * variance / (variance + R::from_f64(0.13));
     OrenNayar {
         direct: R::select(lit, c1 + c2 + c3, R::ZERO),

@@ -29,22 +29,27 @@ fn oren_nayar(wi: vec3f, wo: vec3f, sigma: f32) -> OrenNayar {
     let sin_beta = select(sin_i, sin_o, i_larger);
     let least = min(cos_i, cos_o);
     let most = max(cos_i, cos_o);
-    let alpha = real::angle(sin_alpha, least);
-    let beta = real::angle(sin_beta, most);
+    let alpha_share = real::angle(sin_alpha, least) * (2.0 * frac_pi);
+    // The smaller polar angle, measured from grazing, where the terms that hold it meet tangents.
+    let delta = real::angle(most, sin_beta) * (2.0 * frac_pi);
+    let beta_share = 1.0 - delta;
 
     // The cosine of the azimuth between the directions, times both sines; and alone.
     let across = wi.x * wo.x + wi.y * wo.y;
-    let product = sin_i * sin_o;
-    let azimuth = clamp(across / select(1.0, product, product > 0.0), -1.0, 1.0);
+    let tilted = sin_i * sin_o > 0.0;
+    let product = select(1.0, sin_i * sin_o, tilted);
+    let azimuth = clamp(across / product, -1.0, 1.0);
+    // 1-|cosine| as sin²/(1+|cosine|): at grazing it meets a tangent that would magnify its cancellation.
+    let sine = (wi.x * wo.y - wi.y * wo.x) / product;
+    let sideways = select(1.0, sine * sine / (1.0 + abs(azimuth)), tilted);
 
-    let beta_share = beta * (2.0 * frac_pi);
-    let angles = alpha * (2.0 * frac_pi) * beta_share;
-    let common = variance / (variance + 0.09);
+    let ratio = variance / (variance + 0.09);
     let c_one = 1.0 - 0.5 * variance / (variance + 0.33);
-    let backward = min(azimuth, 0.0) * (sin_beta / most) * (beta_share * beta_share * beta_share);
-    let c_two = 0.45 * common * (across / most - backward);
+    let dent = delta * (3.0 - delta * (3.0 - delta)) - least * least / (1.0 + sin_alpha);
+    let c_two = 0.45 * ratio * select(across / most, azimuth * (sin_beta / most) * dent, azimuth < 0.0);
+    let angles = alpha_share * beta_share;
     let half_tangent = (sin_alpha + sin_beta) / (least + most);
-    let c_three = 0.125 * common * angles * angles * (1.0 - abs(azimuth)) * half_tangent;
+    let c_three = 0.125 * ratio * angles * angles * sideways * half_tangent;
     let second = 0.17 * variance / (variance + 0.13);
     return OrenNayar(
         select(0.0, c_one + c_two + c_three, lit),
