@@ -29,6 +29,7 @@ extern crate alloc;
 
 pub mod frame;
 pub mod real;
+pub mod wgsl;
 
 pub use frame::{Frame, Vector, half_vector};
 pub use real::{Mask, Real};
