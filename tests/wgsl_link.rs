@@ -80,13 +80,14 @@ fn a_shader_without_imports_is_untouched() {
     validate(root);
 }
 
-/// Every function of the library by itself, save those for which the embedding shader must supply something.
+/// Every function of the library by itself, with what the embedding shader must supply.
 #[test]
 fn the_librarys_functions_validate() {
     for function in functions() {
-        let linked = link_function(function.module, function.name).unwrap();
-        if !linked.contains("stack_layer(") {
-            validate(&linked);
+        let mut linked = link_function(function.module, function.name).unwrap();
+        if linked.contains("stack_layer(") {
+            linked += "fn stack_layer(index: u32) -> layered_Layer { var none: layered_Layer; return none; }";
         }
+        validate(&linked);
     }
 }
