@@ -39,6 +39,7 @@ pub mod microfacet;
 pub mod phong;
 pub mod real;
 pub mod refraction;
+pub mod wgsl;
 
 pub use frame::{Frame, Vector, half_vector};
 pub use real::{Mask, Real};
