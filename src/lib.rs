@@ -32,6 +32,7 @@ pub mod diffuse;
 pub mod distribution;
 pub mod frame;
 pub mod fresnel;
+pub mod interval;
 pub mod layered;
 pub mod masking;
 pub mod material;

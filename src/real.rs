@@ -10,21 +10,21 @@
 use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-mod sealed {
-    pub trait Sealed {}
-    impl Sealed for f32 {}
-    impl Sealed for f64 {}
-}
+/// Only this crate adds numbers: each formula is checked for each of them.
+#[doc(hidden)]
+pub trait Sealed {}
+impl Sealed for f32 {}
+impl Sealed for f64 {}
+impl Sealed for bool {}
 
 /// The answer of a comparison between two [`Real`]s.
-pub trait Mask: Copy + Not<Output = Self> + BitAnd<Output = Self> + BitOr<Output = Self> + sealed::Sealed {
+pub trait Mask: Copy + Not<Output = Self> + BitAnd<Output = Self> + BitOr<Output = Self> + Sealed {
     /// True in every lane.
     fn all(self) -> bool;
     /// True in some lane.
     fn any(self) -> bool;
 }
 
-impl sealed::Sealed for bool {}
 impl Mask for bool {
     #[inline(always)]
     fn all(self) -> bool {
@@ -36,7 +36,7 @@ impl Mask for bool {
     }
 }
 
-/// A real number that the reflectance formulas run over. Sealed: `f32` and `f64`.
+/// A real number that the reflectance formulas run over. Sealed: `f32`, `f64` and [`WgslInterval`](crate::interval::WgslInterval).
 ///
 /// Methods follow IEEE 754: `sqrt` is correctly rounded, the transcendental functions are those of the standard library
 /// or, with the feature `libm` and without `std`, of libm (each ≤ 1 ULP there).
@@ -44,7 +44,6 @@ pub trait Real:
     Copy
     + Debug
     + PartialEq
-    + PartialOrd
     + Default
     + Send
     + Sync
@@ -54,7 +53,7 @@ pub trait Real:
     + Mul<Output = Self>
     + Div<Output = Self>
     + Neg<Output = Self>
-    + sealed::Sealed
+    + Sealed
 {
     /// What a comparison returns.
     type Mask: Mask;

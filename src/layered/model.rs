@@ -10,7 +10,7 @@ use crate::diffuse;
 use crate::frame::Vector;
 use crate::fresnel::{self, Fresnel};
 use crate::microfacet::{cos_half, facets};
-use crate::real::Real;
+use crate::real::{Mask, Real};
 use crate::refraction::refract;
 
 /// The documents' layered model with normalised microfacets.
@@ -164,7 +164,8 @@ fn recurse<R: Real, M: Rule<R>, const C: usize, const K: usize>(
                 weight[channel] = weight[channel] * M::through(wi, wo, (n, k), fresnel, shared.g, eta) * absorbed;
             }
         }
-        if last || below_i.z <= R::ZERO || below_o.z <= R::ZERO || wi.z <= R::ZERO || wo.z <= R::ZERO {
+        let least = below_i.z.min(below_o.z).min(wi.z).min(wo.z);
+        if last || least.le(R::ZERO).all() {
             return f;
         }
         (wi, wo, n_above, alpha_above) = (below_i, below_o, n[first], alpha);

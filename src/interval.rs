@@ -1,0 +1,357 @@
+//! The values that WGSL lets an f32 expression have.
+//!
+//! WGSL does not fix the result of an operation; it bounds the error of each (W3C, WGSL §15.7.4, "Floating point
+//! accuracy"). [`WgslInterval`] runs a formula under those bounds: its value is the smallest interval, to double
+//! precision, that holds every result a conforming implementation may return for exact f32 inputs. What it returns for
+//! a term *is* the tolerance that the term's twin is held to.
+//!
+//! | operation | allowed error |
+//! |---|---|
+//! | `+ − ×` | correctly rounded in either direction: 1 ULP |
+//! | `/` | 2.5 ULP |
+//! | `sqrt` | as 1/`inverseSqrt`: 2 + 2.5 ULP |
+//! | `exp` | (3 + 2·\|x\|) ULP |
+//! | `min max abs`, comparisons, `select` | exact |
+//! | subnormal results | may become 0 |
+//!
+//! What is *assumed* beyond the text of the standard: sums and products are not reassociated, so that
+//! [`Real::sum_exact`] and [`Real::product_exact`] do what they say. Every implementation tried keeps to that.
+
+use crate::real::{Mask, Real, Sealed};
+use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+/// An interval of the real numbers that holds every value WGSL allows an f32 expression; NaN bounds mean "anything".
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WgslInterval {
+    low: f64,
+    high: f64,
+}
+
+/// The spacing of f32 relative to the number, at most: 1 ULP.
+const ULP: f64 = f32::EPSILON as f64;
+/// The smallest normal f32.
+const TINY: f64 = f32::MIN_POSITIVE as f64;
+
+/// What is known of a comparison between intervals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ternary {
+    /// It may be false.
+    may_fail: bool,
+    /// It may be true.
+    may_hold: bool,
+}
+
+impl WgslInterval {
+    /// Anything at all.
+    const UNKNOWN: Self = WgslInterval { low: f64::NEG_INFINITY, high: f64::INFINITY };
+
+    /// Exactly this f32.
+    pub fn exactly(value: f32) -> Self {
+        WgslInterval { low: f64::from(value), high: f64::from(value) }
+    }
+
+    /// The smallest allowed value.
+    pub fn low(self) -> f64 {
+        self.low
+    }
+
+    /// The largest allowed value.
+    pub fn high(self) -> f64 {
+        self.high
+    }
+
+    /// Whether a result is allowed.
+    pub fn contains(self, value: f32) -> bool {
+        let value = f64::from(value);
+        self.low <= value && value <= self.high
+    }
+
+    /// Whether the rules say anything about the result.
+    pub fn is_bounded(self) -> bool {
+        self.low.is_finite() && self.high.is_finite()
+    }
+
+    /// The interval of exact results between two bounds, widened by what an operation may add: `ulps` of the result, the
+    /// flush of a subnormal, and the rounding of this computation in double precision.
+    fn rounded(low: f64, high: f64, ulps: f64) -> Self {
+        if low.is_nan() || high.is_nan() {
+            return Self::UNKNOWN;
+        }
+        let relative = ulps * ULP + 4.0 * f64::EPSILON;
+        let mut low = if low == 0.0 { 0.0 } else { low - relative * low.abs() };
+        let mut high = if high == 0.0 { 0.0 } else { high + relative * high.abs() };
+        if low > 0.0 && low < TINY {
+            low = 0.0;
+        }
+        if high < 0.0 && high > -TINY {
+            high = 0.0;
+        }
+        // A result past the largest f32 is indeterminate.
+        if high > f64::from(f32::MAX) {
+            high = f64::INFINITY;
+        }
+        if low < -f64::from(f32::MAX) {
+            low = f64::NEG_INFINITY;
+        }
+        WgslInterval { low, high }
+    }
+
+    /// The image under a monotonic function that is good to `ulps`.
+    fn monotonic(self, ulps: f64, f: impl Fn(f64) -> f64) -> Self {
+        let (a, b) = (f(self.low), f(self.high));
+        Self::rounded(a.min(b), a.max(b), ulps)
+    }
+
+    fn hull(self, other: Self) -> Self {
+        WgslInterval { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+
+    fn magnitude(self) -> f64 {
+        self.low.abs().max(self.high.abs())
+    }
+
+    /// The bounds of the products (or quotients) of the ends.
+    fn corners(self, other: Self, f: impl Fn(f64, f64) -> f64) -> (f64, f64) {
+        let ends = [(self.low, other.low), (self.low, other.high), (self.high, other.low), (self.high, other.high)];
+        ends.into_iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (a, b)| {
+            // 0·∞ is 0 here: the infinity stands for numbers without bound, not for an infinite factor.
+            let value = if a == 0.0 { 0.0 } else { f(a, b) };
+            (low.min(value), high.max(value))
+        })
+    }
+
+    /// A bound on what double-single arithmetic drops: products of two roundings.
+    fn second_order(scale: f64) -> Self {
+        let width = 8.0 * ULP * ULP * scale;
+        WgslInterval { low: -width, high: width }
+    }
+}
+
+impl Add for WgslInterval {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self::rounded(self.low + other.low, self.high + other.high, 1.0)
+    }
+}
+
+impl Sub for WgslInterval {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self::rounded(self.low - other.high, self.high - other.low, 1.0)
+    }
+}
+
+impl Mul for WgslInterval {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        let (low, high) = if other.low == 0.0 && other.high == 0.0 {
+            (0.0, 0.0)
+        } else {
+            self.corners(other, |a, b| if b == 0.0 { 0.0 } else { a * b })
+        };
+        Self::rounded(low, high, 1.0)
+    }
+}
+
+impl Div for WgslInterval {
+    type Output = Self;
+    fn div(self, other: Self) -> Self {
+        let divisor = [other.low.abs(), other.high.abs()];
+        let normal = divisor.iter().all(|d| (2f64.powi(-126)..=2f64.powi(126)).contains(d));
+        if !normal || other.low < 0.0 && other.high > 0.0 {
+            return Self::UNKNOWN;
+        }
+        let (low, high) = self.corners(other, |a, b| a / b);
+        Self::rounded(low, high, 2.5)
+    }
+}
+
+impl Neg for WgslInterval {
+    type Output = Self;
+    fn neg(self) -> Self {
+        WgslInterval { low: -self.high, high: -self.low }
+    }
+}
+
+impl Not for Ternary {
+    type Output = Self;
+    fn not(self) -> Self {
+        Ternary { may_fail: self.may_hold, may_hold: self.may_fail }
+    }
+}
+
+impl BitAnd for Ternary {
+    type Output = Self;
+    fn bitand(self, other: Self) -> Self {
+        Ternary { may_fail: self.may_fail || other.may_fail, may_hold: self.may_hold && other.may_hold }
+    }
+}
+
+impl BitOr for Ternary {
+    type Output = Self;
+    fn bitor(self, other: Self) -> Self {
+        Ternary { may_fail: self.may_fail && other.may_fail, may_hold: self.may_hold || other.may_hold }
+    }
+}
+
+impl Sealed for Ternary {}
+impl Mask for Ternary {
+    fn all(self) -> bool {
+        !self.may_fail
+    }
+    fn any(self) -> bool {
+        self.may_hold
+    }
+}
+
+impl Sealed for WgslInterval {}
+impl Real for WgslInterval {
+    type Mask = Ternary;
+
+    const ZERO: Self = WgslInterval { low: 0.0, high: 0.0 };
+    const ONE: Self = WgslInterval { low: 1.0, high: 1.0 };
+    const HALF: Self = WgslInterval { low: 0.5, high: 0.5 };
+    const TWO: Self = WgslInterval { low: 2.0, high: 2.0 };
+    // The two f32 next to each constant.
+    const PI: Self = WgslInterval { low: 3.141_592_5, high: 3.141_592_8 };
+    const FRAC_1_PI: Self = WgslInterval { low: 0.318_309_86, high: 0.318_309_9 };
+    const EPSILON: Self = WgslInterval { low: ULP, high: ULP };
+    const EXP_LIMIT: Self = WgslInterval { low: 87.0, high: 87.0 };
+
+    fn from_f64(x: f64) -> Self {
+        // A literal is rounded to one of the two f32 next to it.
+        let nearest = x as f32;
+        if f64::from(nearest) == x {
+            Self::exactly(nearest)
+        } else if f64::from(nearest) < x {
+            WgslInterval { low: f64::from(nearest), high: f64::from(nearest.next_up()) }
+        } else {
+            WgslInterval { low: f64::from(nearest.next_down()), high: f64::from(nearest) }
+        }
+    }
+    fn to_f64(self) -> f64 {
+        if self.low == self.high { self.low } else { 0.5 * (self.low + self.high) }
+    }
+
+    fn sqrt(self) -> Self {
+        self.monotonic(4.5, |x| Real::sqrt(x.max(0.0)))
+    }
+    fn exp(self) -> Self {
+        self.monotonic(3.0 + 2.0 * self.magnitude().min(1e30), Real::exp)
+    }
+    fn ln(self) -> Self {
+        // 2⁻²¹ absolute on [0.5, 2], elsewhere 3 ULP.
+        let image = self.monotonic(3.0, Real::ln);
+        let near = Real::exp(-21.0 * core::f64::consts::LN_2);
+        if self.low <= 2.0 && self.high >= 0.5 {
+            WgslInterval { low: image.low - near, high: image.high + near }
+        } else {
+            image
+        }
+    }
+    fn abs(self) -> Self {
+        if self.low <= 0.0 && self.high >= 0.0 {
+            WgslInterval { low: 0.0, high: self.magnitude() }
+        } else {
+            WgslInterval { low: self.low.abs().min(self.high.abs()), high: self.magnitude() }
+        }
+    }
+    fn min(self, other: Self) -> Self {
+        WgslInterval { low: self.low.min(other.low), high: self.high.min(other.high) }
+    }
+    fn max(self, other: Self) -> Self {
+        WgslInterval { low: self.low.max(other.low), high: self.high.max(other.high) }
+    }
+    fn lt(self, other: Self) -> Ternary {
+        Ternary { may_fail: self.high >= other.low, may_hold: self.low < other.high }
+    }
+    fn le(self, other: Self) -> Ternary {
+        Ternary { may_fail: self.high > other.low, may_hold: self.low <= other.high }
+    }
+    fn select(mask: Ternary, yes: Self, no: Self) -> Self {
+        match (mask.may_hold, mask.may_fail) {
+            (true, false) => yes,
+            (false, true) => no,
+            _ => yes.hull(no),
+        }
+    }
+
+    /// The exact sum, and what the pair may miss of it.
+    fn sum_exact(self, other: Self) -> (Self, Self) {
+        let scale = self.magnitude().max(other.magnitude());
+        let sum = Self::rounded(self.low + other.low, self.high + other.high, 0.0);
+        (sum, Self::second_order(scale))
+    }
+    /// The exact product, and what the pair may miss of it.
+    fn product_exact(self, other: Self) -> (Self, Self) {
+        let (low, high) = self.corners(other, |a, b| if b == 0.0 { 0.0 } else { a * b });
+        (Self::rounded(low, high, 0.0), Self::second_order(low.abs().max(high.abs())))
+    }
+
+    /// 2·artanh(s), s = x/(2+x), by series: s 3.5 ULP, its square 8, of which the series keeps 8/27; two products and
+    /// the sum 3; the dropped term 0.2. Outside [−1/2, 1] `log` of 1+x: 3 ULP and 1.5 of the sum.
+    fn ln_one_plus(self) -> Self {
+        self.monotonic(8.0, |x| Real::ln_one_plus(x.max(-1.0)))
+    }
+    /// atan(r)/r as a polynomial: r 2.5 ULP, its square 6, of which the logarithmic slope of the polynomial (≤ 0.18)
+    /// keeps 1.1; Horner's sums 2.2; the product 1; the difference from π/2 another 1.
+    fn angle(self, adjacent: Self) -> Self {
+        let (ends, widest) = ((self.low.max(0.0), self.high.max(0.0)), (adjacent.low.max(0.0), adjacent.high.max(0.0)));
+        Self::rounded(Real::angle(ends.0, widest.1), Real::angle(ends.1, widest.0), 8.0)
+    }
+    /// Clenshaw's sum for a value in [1, 1.3]: u 4.5 ULP times a slope ≤ 0.5; the sums 6; the divisor 2, the division 2.5;
+    /// the dropped terms 7e-9 = 0.1.
+    fn erfcx(self) -> Self {
+        self.monotonic(14.0, |x| Real::erfcx(x.max(0.0)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn width(interval: WgslInterval) -> f64 {
+        (interval.high - interval.low) / interval.to_f64().abs() / ULP
+    }
+
+    #[test]
+    fn operations_widen_by_the_table() {
+        let (a, b) = (WgslInterval::exactly(1.3), WgslInterval::exactly(0.7));
+        for (interval, exact, ulps) in [
+            (a + b, 1.3f32 as f64 + 0.7f32 as f64, 2.0),
+            (a * b, 1.3f32 as f64 * 0.7f32 as f64, 2.0),
+            (a / b, 1.3f32 as f64 / 0.7f32 as f64, 5.0),
+            (Real::sqrt(a), (1.3f32 as f64).sqrt(), 9.0),
+            (Real::exp(-a), (-(1.3f32 as f64)).exp(), 2.0 * (3.0 + 2.6)),
+        ] {
+            assert!(interval.low < exact && exact < interval.high, "{interval:?} {exact}");
+            assert!((width(interval) / ulps - 1.0).abs() < 1e-3, "{} {ulps}", width(interval));
+        }
+    }
+
+    #[test]
+    fn formulas_hold_their_f32_and_f64_values() {
+        use crate::fresnel;
+        for i in 0..2000 {
+            let cos = (i as f32 + 0.5) / 2000.0;
+            for eta in [0.4f32, 0.75, 1.0001, 1.5, 3.0] {
+                let interval = fresnel::dielectric(WgslInterval::exactly(cos), WgslInterval::exactly(eta));
+                let single = fresnel::dielectric(cos, eta);
+                assert!(interval.reflectance.contains(single.reflectance), "{cos} {eta} {interval:?} {single:?}");
+                assert!(interval.transmittance.contains(single.transmittance), "{cos} {eta} {interval:?} {single:?}");
+                assert!(interval.reflectance.is_bounded());
+            }
+        }
+    }
+
+    #[test]
+    fn an_undecided_comparison_keeps_both_answers() {
+        let x = WgslInterval::exactly(0.1) * WgslInterval::exactly(0.1);
+        let y = WgslInterval::from_f64(0.01);
+        let chosen = WgslInterval::select(x.lt(y), WgslInterval::ZERO, WgslInterval::ONE);
+        assert!(chosen.contains(0.0) && chosen.contains(1.0));
+        assert!(!(WgslInterval::ONE / (x - y)).is_bounded());
+        let certain = WgslInterval::select(x.lt(WgslInterval::ONE), WgslInterval::ZERO, WgslInterval::ONE);
+        assert_eq!(certain, WgslInterval::ZERO);
+    }
+}
