@@ -28,7 +28,11 @@ compile_error!("brdf needs floating-point functions: enable the feature `std` (d
 extern crate alloc;
 
 pub mod frame;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod real;
+#[cfg(feature = "shader")]
+pub mod shader;
 
 pub use frame::{Frame, Vector, half_vector};
 pub use real::{Mask, Real};
