@@ -99,7 +99,7 @@ pub struct ShaderError {
 }
 
 impl ShaderError {
-    fn plain(message: String) -> Self {
+    pub(crate) fn plain(message: String) -> Self {
         ShaderError { report: message.clone(), message, place: None }
     }
 
