@@ -46,7 +46,11 @@ impl Kernel {
         }
         let storage = module.has_binding(0, STORAGE_BINDING);
         let text = map_kernel(source, &signature, bindings, WORKGROUP);
-        let (layout, pipeline) = gpu.attempt(|| Ok(compile(gpu.device(), function, text, storage)))?;
+        let (layout, pipeline) = gpu.attempt(|| {
+            let compiled = compile(gpu.device(), function, text, storage);
+            // wgpu keeps silent where it compiles for a device that is lost.
+            if gpu.alive() { Ok(compiled) } else { Err(gpu.lost("it compiles nothing any more")) }
+        })?;
         let rows_per_dispatch =
             most_rows(&gpu.device().limits(), signature.input_words().max(signature.output_words()));
         Ok(Kernel { gpu: gpu.clone(), signature, layout, pipeline, storage, rows_per_dispatch })
@@ -184,19 +188,18 @@ impl Kernel {
         encoder.copy_buffer_to_buffer(&buffers.output, 0, &buffers.back, 0, bytes);
         queue.submit([encoder.finish()]);
 
-        let lost = |reason: String| GpuError::Lost { adapter: self.gpu.info().clone(), reason };
         let (sender, receiver) = mpsc::channel();
         buffers.back.map_async(wgpu::MapMode::Read, 0..bytes, move |mapped| {
             // The receiver is gone only where this call has returned.
             let _ = sender.send(mapped);
         });
-        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| lost(error.to_string()))?;
+        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| self.gpu.lost(&error.to_string()))?;
         match receiver.try_recv() {
             Ok(Ok(())) => {}
-            Ok(Err(error)) => return Err(lost(error.to_string())),
-            Err(error) => return Err(lost(format!("the results were not mapped: {error}"))),
+            Ok(Err(error)) => return Err(self.gpu.lost(&error.to_string())),
+            Err(error) => return Err(self.gpu.lost(&format!("the results were not mapped: {error}"))),
         }
-        let mapped = buffers.back.get_mapped_range(0..bytes).map_err(|error| lost(error.to_string()))?;
+        let mapped = buffers.back.get_mapped_range(0..bytes).map_err(|error| self.gpu.lost(&error.to_string()))?;
         bytemuck::cast_slice_mut(output).copy_from_slice(&mapped);
         drop(mapped);
         buffers.back.unmap();

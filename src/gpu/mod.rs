@@ -41,7 +41,7 @@ pub struct Gpu {
     info: AdapterInfo,
     device: wgpu::Device,
     queue: wgpu::Queue,
-    /// What the driver last said outside of any call: that the device is lost, and why.
+    /// Why the device was lost, where it was and this crate opened it.
     fault: Arc<Mutex<Option<String>>>,
     /// One run at a time: wgpu's GL back-end panics when it waits more than six seconds for another thread.
     turn: Arc<Mutex<()>>,
@@ -115,9 +115,6 @@ impl Gpu {
         device.set_device_lost_callback(move |reason, message| {
             *lock(&slot) = Some(if message.is_empty() { format!("{reason:?}") } else { message });
         });
-        let slot = Arc::clone(&fault);
-        // Without a handler, wgpu panics. Every call here has a scope, so only stray errors arrive.
-        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| *lock(&slot) = Some(error.to_string())));
         Ok(Gpu { info: info.clone(), device, queue, fault, turn: Arc::default() })
     }
 
@@ -129,21 +126,37 @@ impl Gpu {
         // `Device::poll` panics where the device is lost (wgpu_core.rs: `handle_error_fatal`), as do some drivers' paths.
         let outcome = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
             let text = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
-            Err(GpuError::Lost { adapter: self.info.clone(), reason: text.unwrap_or("wgpu panicked").to_owned() })
+            Err(self.lost(text.unwrap_or("wgpu panicked")))
         });
         // An error in a scope is the cause; a failed outcome after it the consequence. Scopes close last first.
         let mut cause = None;
         for scope in scopes.into_iter().rev() {
             cause = pollster::block_on(scope.pop()).or(cause);
         }
+        if let Some(reason) = lock(&self.fault).clone() {
+            return Err(self.lost(&reason));
+        }
         match cause {
             Some(wgpu::Error::OutOfMemory { .. }) => Err(GpuError::OutOfMemory { adapter: self.info.clone() }),
+            Some(error) if !self.alive() => Err(self.lost(&error.to_string())),
             Some(error) => Err(GpuError::Rejected { adapter: self.info.clone(), reason: error.to_string() }),
-            None => match lock(&self.fault).clone() {
-                Some(reason) => Err(GpuError::Lost { adapter: self.info.clone(), reason }),
-                None => outcome,
-            },
+            None => outcome,
         }
+    }
+
+    fn lost(&self, reason: &str) -> GpuError {
+        GpuError::Lost { adapter: self.info.clone(), reason: reason.to_owned() }
+    }
+
+    /// False where the device no longer makes even the smallest buffer.
+    ///
+    /// A lost device reports nothing of its own when it is used: only that things made on it since are invalid.
+    fn alive(&self) -> bool {
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let usage = wgpu::BufferUsages::COPY_DST;
+        let descriptor = wgpu::BufferDescriptor { label: None, size: 4, usage, mapped_at_creation: false };
+        self.queue.write_buffer(&self.device.create_buffer(&descriptor), 0, &[0; 4]);
+        pollster::block_on(scope.pop()).is_none()
     }
 }
 

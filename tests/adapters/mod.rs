@@ -6,7 +6,7 @@ use std::io::Write;
 /// Every adapter of the machine, opened; empty, after a line `SKIPPED: reason`, where the policy allows that.
 ///
 /// Panics, and so fails the test, where an adapter does not open, or where one is required and there is none.
-pub fn adapters_for_tests() -> Vec<Gpu> {
+pub(crate) fn adapters_for_tests() -> Vec<Gpu> {
     let skipped = |reason: &str| {
         // Written past the test harness, which would swallow `println!` of a test that passes.
         let _ = writeln!(std::io::stderr(), "SKIPPED: {}: {reason}", std::thread::current().name().unwrap_or("test"));
