@@ -17,8 +17,8 @@ pub enum GpuError {
     },
     /// The driver refused to open the adapter.
     Device {
-        /// The adapter.
-        adapter: AdapterInfo,
+        /// The adapter, as it displays.
+        adapter: String,
         /// What wgpu says.
         reason: String,
     },
@@ -33,20 +33,20 @@ pub enum GpuError {
     },
     /// The device's validation refused the kernel or a call.
     Rejected {
-        /// The adapter.
-        adapter: AdapterInfo,
+        /// The adapter, as it displays.
+        adapter: String,
         /// What wgpu says, over several lines.
         reason: String,
     },
     /// The device has too little memory.
     OutOfMemory {
-        /// The adapter.
-        adapter: AdapterInfo,
+        /// The adapter, as it displays.
+        adapter: String,
     },
     /// The device was lost: reset by the driver, removed or destroyed.
     Lost {
-        /// The adapter.
-        adapter: AdapterInfo,
+        /// The adapter, as it displays.
+        adapter: String,
         /// What wgpu says.
         reason: String,
     },

@@ -109,7 +109,7 @@ impl Gpu {
             ..Default::default()
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
-            .map_err(|error| GpuError::Device { adapter: info.clone(), reason: error.to_string() })?;
+            .map_err(|error| GpuError::Device { adapter: info.to_string(), reason: error.to_string() })?;
         let fault = Arc::<Mutex<Option<String>>>::default();
         let slot = Arc::clone(&fault);
         device.set_device_lost_callback(move |reason, message| {
@@ -137,15 +137,15 @@ impl Gpu {
             return Err(self.lost(&reason));
         }
         match cause {
-            Some(wgpu::Error::OutOfMemory { .. }) => Err(GpuError::OutOfMemory { adapter: self.info.clone() }),
+            Some(wgpu::Error::OutOfMemory { .. }) => Err(GpuError::OutOfMemory { adapter: self.info.to_string() }),
             Some(error) if !self.alive() => Err(self.lost(&error.to_string())),
-            Some(error) => Err(GpuError::Rejected { adapter: self.info.clone(), reason: error.to_string() }),
+            Some(error) => Err(GpuError::Rejected { adapter: self.info.to_string(), reason: error.to_string() }),
             None => outcome,
         }
     }
 
     fn lost(&self, reason: &str) -> GpuError {
-        GpuError::Lost { adapter: self.info.clone(), reason: reason.to_owned() }
+        GpuError::Lost { adapter: self.info.to_string(), reason: reason.to_owned() }
     }
 
     /// False where the device no longer makes even the smallest buffer.
