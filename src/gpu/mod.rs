@@ -17,7 +17,8 @@
 //! # Floating point
 //!
 //! wgpu 30 offers no switch for IEEE semantics: WGSL's own rules hold, in which a compiler may contract `a * b + c`,
-//! flush subnormals and assume that there is neither NaN nor infinity. Words of `u32` and `i32` pass unchanged.
+//! flush subnormals and assume that there is neither NaN nor infinity. Words of `u32` and `i32` pass unchanged. llvmpipe through Vulkan (Mesa
+//! 22.3) folds `x != x` to false: a kernel that looks for NaN must compare bits.
 
 mod adapter;
 mod error;
