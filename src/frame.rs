@@ -225,7 +225,13 @@ mod tests {
 
     #[test]
     fn frames_are_orthonormal_and_round_trip() {
-        let normals = [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.6, 0.0, 0.8], [-0.48, 0.6, -0.64], [1.0, 0.0, 0.0]];
+        let normals = [
+            [0.0, 0.0, 1.0],
+            [0.0, 0.0, -1.0],
+            [0.6, 0.0, 0.8],
+            [-0.48, 0.6, -0.64],
+            [1.0, 0.0, 0.0],
+        ];
         for n in normals {
             for frame in [
                 Frame::<f64>::from_normal(n),
