@@ -14,8 +14,8 @@
 //! | `min max abs`, comparisons, `select` | exact |
 //! | subnormal results | may become 0 |
 //!
-//! What is *assumed* beyond the text of the standard: sums and products are not reassociated, so that
-//! [`Real::sum_exact`] and [`Real::product_exact`] do what they say. Every implementation tried keeps to that.
+//! WGSL also lets a compiler reassociate. The twins of [`Real::sum_exact`] and [`Real::product_exact`] are written so that
+//! none can: their parts are formed by masks and minima. That they return exact pairs is checked on every adapter.
 
 use crate::real::{Mask, Real, Sealed};
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
@@ -64,6 +64,11 @@ impl WgslInterval {
     pub fn contains(self, value: f32) -> bool {
         let value = f64::from(value);
         self.low <= value && value <= self.high
+    }
+
+    /// This interval with both ends moved outward by the width of another around 0.
+    pub fn widened(self, by: Self) -> Self {
+        WgslInterval { low: self.low + by.low, high: self.high + by.high }
     }
 
     /// Whether the rules say anything about the result.

@@ -32,14 +32,20 @@ pub mod diffuse;
 pub mod distribution;
 pub mod frame;
 pub mod fresnel;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod interval;
 pub mod layered;
 pub mod masking;
 pub mod material;
 pub mod microfacet;
+#[cfg(feature = "gpu")]
+pub mod parity;
 pub mod phong;
 pub mod real;
 pub mod refraction;
+#[cfg(feature = "shader")]
+pub mod shader;
 pub mod wgsl;
 
 pub use frame::{Frame, Vector, half_vector};

@@ -1,9 +1,13 @@
 // Elementary functions that WGSL lacks or gives too few digits. Twin of src/real.rs.
 
+// The largest f32. WGSL lets a compiler reassociate, and Mesa does: (a + b) - a becomes b. A minimum with this number
+// changes no value and hides where it came from.
+const largest: f32 = 0x1.fffffep+127;
+
 // a + b without error, as the rounded sum and its rounding error (Knuth 1969).
 fn sum_exact(a: f32, b: f32) -> vec2f {
-    let sum = a + b;
-    let part = sum - a;
+    let sum = min(a + b, largest);
+    let part = min(sum - a, largest);
     return vec2f(sum, (a - (sum - part)) + (b - part));
 }
 

@@ -1,0 +1,2 @@
+//! `brdf eval`: JSON Lines in, the same objects with the results out.
+fn x() {}

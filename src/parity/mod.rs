@@ -1,0 +1,218 @@
+//! Agreement of the WGSL twins with the Rust functions.
+//!
+//! Each twin runs on an adapter over a corner lattice and a low-discrepancy sequence of inputs. Its results are compared
+//! with the f64 instance of the Rust function, and must lie in the interval that the same function gives under WGSL's
+//! accuracy rules ([`WgslInterval`]): the tolerance is derived for each input and never tuned.
+
+mod draw;
+mod table;
+
+pub use draw::Draw;
+pub use table::{Judge, Twin, layers, twins};
+
+use crate::gpu::{Gpu, GpuError, Kernel, STACK_BINDINGS, layer_bytes};
+use crate::interval::WgslInterval;
+use crate::shader::Scalar;
+use crate::wgsl;
+
+/// The comparison of one function on one adapter.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    /// The module and name of the function.
+    pub module: &'static str,
+    /// The name of the function.
+    pub function: &'static str,
+    /// How many inputs were compared.
+    pub samples: usize,
+    /// The largest error of a result in f32 ULP of the f64 value; this and the next three over the results whose sign
+    /// WGSL's rules settle.
+    pub max_ulp: f64,
+    /// The error in ULP that 99.9 % of the results stay under.
+    pub p999_ulp: f64,
+    /// The largest relative error.
+    pub max_relative: f64,
+    /// The relative error that 99.9 % of the results stay under.
+    pub p999_relative: f64,
+    /// The largest share of the allowed error that a result used; 1 is the limit.
+    pub share: f64,
+    /// How many results WGSL's rules say nothing about.
+    pub unbounded: usize,
+    /// How many results lie outside what WGSL allows.
+    pub outside: usize,
+    /// The input of the result furthest outside what is allowed or, where none is, of the largest error.
+    pub worst: Option<Worst>,
+}
+
+impl Comparison {
+    /// Whether every result was allowed.
+    pub fn agrees(&self) -> bool {
+        self.outside == 0
+    }
+}
+
+/// One result that stands out.
+#[derive(Clone, Debug)]
+pub struct Worst {
+    /// The arguments, each with its name.
+    pub inputs: Vec<(String, f64)>,
+    /// Which result it is.
+    pub output: String,
+    /// What the adapter gave.
+    pub got: f32,
+    /// The f64 value.
+    pub want: f64,
+    /// The smallest and largest allowed value.
+    pub allowed: (f64, f64),
+}
+
+/// The WGSL of one twin with what it needs, and the bindings that supply its layers where it reads some.
+pub fn twin_source(twin: &Twin) -> Result<(String, Option<&'static str>), wgsl::LinkError> {
+    let source = wgsl::link_function(twin.module, twin.function)?;
+    let bindings = source.contains("stack_layer(").then_some(STACK_BINDINGS);
+    Ok((source, bindings))
+}
+
+/// Runs a twin over this many samples on an adapter.
+///
+/// # Errors
+///
+/// Whatever stops the kernel from being built or run, by name of the function.
+pub fn compare(gpu: &Gpu, twin: &Twin, samples: usize) -> Result<Comparison, GpuError> {
+    let rows: Vec<Vec<f32>> = (0..samples as u64)
+        .map(|index| (twin.sample)(&mut Draw::new(index)).into_iter().map(|value| value as f32).collect())
+        .collect();
+    let outputs = run(gpu, twin, &rows)?;
+    Ok(judge(twin, &rows, &outputs))
+}
+
+/// The results of a twin on an adapter and the names of its arguments and results.
+struct Outputs {
+    inputs: Vec<String>,
+    names: Vec<String>,
+    values: Vec<f32>,
+}
+
+fn run(gpu: &Gpu, twin: &Twin, rows: &[Vec<f32>]) -> Result<Outputs, GpuError> {
+    let link_failure =
+        |error: wgsl::LinkError| GpuError::Arguments { function: twin.function.to_owned(), reason: error.to_string() };
+    let (source, bindings) = twin_source(twin).map_err(link_failure)?;
+    let kernel = Kernel::new(gpu, &source, &wgsl::mangled(twin.module, twin.function), bindings)?;
+    let leaves = kernel.signature().inputs();
+    let word = |(value, leaf): (&f32, &crate::shader::Leaf)| match leaf.scalar {
+        Scalar::F32 => value.to_bits(),
+        Scalar::U32 | Scalar::Bool => *value as u32,
+        Scalar::I32 => (*value as i32).cast_unsigned(),
+    };
+    let words: Vec<u32> = rows.iter().flat_map(|row| row.iter().zip(&leaves).map(word)).collect();
+    let storage = bindings.map(|_| layer_bytes(layers()));
+    let values = kernel.run(&words, storage.as_deref())?.into_iter().map(f32::from_bits).collect();
+    let name = |leaf: crate::shader::Leaf| leaf.name;
+    Ok(Outputs {
+        inputs: leaves.into_iter().map(name).collect(),
+        names: kernel.signature().outputs().into_iter().map(name).collect(),
+        values,
+    })
+}
+
+/// Compares an adapter's results with the Rust function.
+fn judge(twin: &Twin, rows: &[Vec<f32>], outputs: &Outputs) -> Comparison {
+    let mut errors = Errors::default();
+    let mut result = Comparison {
+        module: twin.module,
+        function: twin.function,
+        samples: rows.len(),
+        max_ulp: 0.0,
+        p999_ulp: 0.0,
+        max_relative: 0.0,
+        p999_relative: 0.0,
+        share: 0.0,
+        unbounded: 0,
+        outside: 0,
+        worst: None,
+    };
+    // What stands out most: a forbidden result before an allowed one, then the larger share or error.
+    let mut rank = (false, -1.0);
+    let width = outputs.names.len();
+    for (row, got) in rows.iter().zip(outputs.values.chunks_exact(width)) {
+        let exact: Vec<f64> = row.iter().map(|x| f64::from(*x)).collect();
+        let points: Vec<WgslInterval> = row.iter().map(|x| WgslInterval::exactly(*x)).collect();
+        let (want, allowed) = ((twin.double)(&exact), (twin.allowed)(&points));
+        let (want, allowed, got) = match twin.judge {
+            Judge::Allowed => (want, allowed, got.iter().map(|g| f64::from(*g)).collect()),
+            // The sum of the pair is exact but for products of two roundings, in the interval's second part.
+            Judge::ErrorFree => (
+                vec![want[0] + want[1]],
+                vec![allowed[0].widened(allowed[1])],
+                vec![f64::from(got[0]) + f64::from(got[1])],
+            ),
+        };
+        for (output, got) in got.into_iter().enumerate() {
+            let got: f64 = got;
+            let (want, allowed) = (want[output], allowed[output]);
+            let error = (got - want).abs();
+            let room = (allowed.high() - want).max(want - allowed.low());
+            let inside = allowed.low() <= got && got <= allowed.high();
+            let share = if error == 0.0 { 0.0 } else { error / room };
+            // Where the sign is open (a difference that cancels, the underflow of exp) a relative error says nothing.
+            let signed = allowed.low() > 0.0 || allowed.high() < 0.0;
+            let (outside, standing) = if allowed.is_bounded() {
+                result.share = result.share.max(if inside { share } else { 0.0 });
+                (
+                    !inside,
+                    if !inside {
+                        share.max(1.0)
+                    } else if signed {
+                        errors.add(error, want)
+                    } else {
+                        0.0
+                    },
+                )
+            } else {
+                result.unbounded += 1;
+                // Even where the rules are silent, a finite value must not become NaN or infinite.
+                (!got.is_finite() && want.abs() < f64::from(f32::MAX), 0.0)
+            };
+            result.outside += usize::from(outside);
+            if (outside, standing) > rank || !standing.is_finite() && outside && !rank.0 {
+                rank = (outside, standing);
+                result.worst = Some(Worst {
+                    inputs: outputs.inputs.iter().cloned().zip(exact.iter().copied()).collect(),
+                    output: outputs.names[output].clone(),
+                    got: got as f32,
+                    want,
+                    allowed: (allowed.low(), allowed.high()),
+                });
+            }
+        }
+    }
+    [result.max_ulp, result.p999_ulp] = Errors::largest_and_rare(&mut errors.ulp);
+    [result.max_relative, result.p999_relative] = Errors::largest_and_rare(&mut errors.relative);
+    result
+}
+
+/// The errors of all results of a function.
+#[derive(Default)]
+struct Errors {
+    ulp: Vec<f64>,
+    relative: Vec<f64>,
+}
+
+impl Errors {
+    /// Records an error and returns it in ULP.
+    fn add(&mut self, error: f64, want: f64) -> f64 {
+        let magnitude = want.abs().max(f64::from(f32::MIN_POSITIVE));
+        let ulp = error / 2f64.powi(magnitude.log2().floor() as i32 - 23);
+        self.ulp.push(ulp);
+        self.relative.push(error / magnitude);
+        ulp
+    }
+
+    /// The largest of the errors, and the one that a thousandth exceed.
+    fn largest_and_rare(errors: &mut [f64]) -> [f64; 2] {
+        errors.sort_by(f64::total_cmp);
+        match errors.last() {
+            Some(largest) => [*largest, errors[(errors.len() - 1) * 999 / 1000]],
+            None => [0.0; 2],
+        }
+    }
+}

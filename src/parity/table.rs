@@ -1,0 +1,320 @@
+//! Every public WGSL function with the Rust function that is its twin and the inputs they are compared on.
+
+use super::draw::Draw;
+use crate::frame::Vector;
+use crate::interval::WgslInterval;
+use crate::layered::{self, Interface, Layer};
+use crate::material::{patina, stack::built_in};
+use crate::real::Real;
+use crate::{absorption, diffuse, distribution, fresnel, masking, microfacet, phong, refraction};
+use std::sync::OnceLock;
+
+/// How a twin's results are judged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Judge {
+    /// Each result lies in the interval that WGSL's rules allow.
+    Allowed,
+    /// The two results are a rounded value and its error, whose sum is exact.
+    ErrorFree,
+}
+
+/// A WGSL function and its Rust twin over three number types. Arguments and results are flat, in order of declaration.
+#[derive(Clone, Copy, Debug)]
+pub struct Twin {
+    /// The module of `wgsl/`.
+    pub module: &'static str,
+    /// The name of the function in both languages.
+    pub function: &'static str,
+    /// How many parameters both functions take; a stack counts as two, its first layer and its length.
+    pub arity: usize,
+    /// How results are judged.
+    pub judge: Judge,
+    /// The arguments of a sample.
+    pub sample: fn(&mut Draw) -> Vec<f64>,
+    /// The Rust function in f32.
+    pub single: fn(&[f32]) -> Vec<f32>,
+    /// The Rust function in f64: the oracle.
+    pub double: fn(&[f64]) -> Vec<f64>,
+    /// The Rust function under WGSL's accuracy rules: the tolerance.
+    pub allowed: fn(&[WgslInterval]) -> Vec<WgslInterval>,
+}
+
+macro_rules! twin {
+    ($module:ident::$function:ident / $arity:literal, $judge:ident, $sample:expr, |$a:ident| $body:expr) => {{
+        fn evaluate<R: Real>($a: &[R]) -> Vec<R> {
+            Vec::from($body)
+        }
+        Twin {
+            module: stringify!($module),
+            function: stringify!($function),
+            arity: $arity,
+            judge: Judge::$judge,
+            sample: $sample,
+            single: evaluate::<f32>,
+            double: evaluate::<f64>,
+            allowed: evaluate::<WgslInterval>,
+        }
+    }};
+    ($module:ident::$function:ident / $arity:literal, $sample:expr, |$a:ident| $body:expr) => {
+        twin!($module::$function / $arity, Allowed, $sample, |$a| $body)
+    };
+}
+
+/// The vector that starts at an argument.
+fn at<R: Real>(arguments: &[R], start: usize) -> Vector<R> {
+    Vector::new(arguments[start], arguments[start + 1], arguments[start + 2])
+}
+
+/// Numbers and vectors as one flat list.
+macro_rules! flat {
+    ($($value:expr),+ $(,)?) => {{
+        let mut list = Vec::new();
+        $(Flat::extend($value, &mut list);)+
+        list
+    }};
+}
+
+trait Flat {
+    fn extend(self, list: &mut Vec<f64>);
+}
+impl Flat for f64 {
+    fn extend(self, list: &mut Vec<f64>) {
+        list.push(self);
+    }
+}
+impl Flat for Vector<f64> {
+    fn extend(self, list: &mut Vec<f64>) {
+        list.extend([self.x, self.y, self.z]);
+    }
+}
+impl<T: Flat, const N: usize> Flat for [T; N] {
+    fn extend(self, list: &mut Vec<f64>) {
+        self.into_iter().for_each(|value| value.extend(list));
+    }
+}
+
+fn split<R: Real>(f: fresnel::Fresnel<R>) -> [R; 2] {
+    [f.reflectance, f.transmittance]
+}
+
+fn shadow<R: Real>(m: masking::Masking<R>) -> [R; 2] {
+    [m.g, m.visibility]
+}
+
+fn coordinates<R: Real>(v: Vector<R>) -> [R; 3] {
+    v.into()
+}
+
+/// Two directions and the cosines and half vector that the masking terms take.
+fn cosines_and_half(d: &mut Draw) -> Vec<f64> {
+    let width = d.width();
+    let [wi, wo] = d.pair(width).map(|w| w.cast::<f32>());
+    // The half vector of the rounded directions, as a shader would form it.
+    flat![f64::from(wi.z), f64::from(wo.z), (wi + wo).cast::<f64>()]
+}
+
+fn pair_and_widths(d: &mut Draw) -> Vec<f64> {
+    let (x, y) = (d.width(), d.width());
+    flat![d.pair(x.max(y)), x, y]
+}
+
+fn half_and_width(d: &mut Draw) -> Vec<f64> {
+    let width = d.width();
+    flat![d.half_vector(width), width]
+}
+
+fn half_and_widths(d: &mut Draw) -> Vec<f64> {
+    let (x, y) = (d.width(), d.width());
+    flat![d.half_vector(x.max(y)), x, y]
+}
+
+/// A stack's first layer and length, and a pair of directions on the scale of its narrowest lobe.
+fn stack_and_pair(d: &mut Draw) -> Vec<f64> {
+    let (first, count) = pick_stack(d);
+    let narrowest = layers()[first..first + count]
+        .iter()
+        .map(|layer| match layer.interface {
+            Interface::Microfacet { alpha, .. } => f64::from(alpha),
+            Interface::Diffuse { .. } => 1.0,
+        })
+        .fold(1.0, f64::min);
+    flat![first as f64, count as f64, d.pair(narrowest)]
+}
+
+fn stack_channel_and_pair(d: &mut Draw) -> Vec<f64> {
+    let mut arguments = stack_and_pair(d);
+    let channel = (d.unit() * 3.0).floor();
+    arguments.insert(2, channel);
+    arguments
+}
+
+fn pick_stack(d: &mut Draw) -> (usize, usize) {
+    let all = stacks();
+    all[((d.unit() * all.len() as f64) as usize).min(all.len() - 1)]
+}
+
+/// The layers that the twins of stacks read, and where each stack lies in them.
+fn stack_table() -> &'static (Vec<Layer<f32, 3>>, Vec<(usize, usize)>) {
+    static TABLE: OnceLock<(Vec<Layer<f32, 3>>, Vec<(usize, usize)>)> = OnceLock::new();
+    TABLE.get_or_init(|| {
+        let (mut layers, mut ranges) = (Vec::new(), Vec::new());
+        let built_in = built_in();
+        let built_in = built_in.iter().map(|material| material.stack.cast::<f32>().layers().to_vec());
+        for stack in built_in.chain(corner_stacks()) {
+            ranges.push((layers.len(), stack.len()));
+            layers.extend(stack);
+        }
+        (layers, ranges)
+    })
+}
+
+/// Stacks that the built-in ones leave out: matched indices, total reflection, smooth over rough, five layers.
+fn corner_stacks() -> [Vec<Layer<f32, 3>>; 5] {
+    let coat = |n, alpha| Layer::new(Interface::dielectric(n, alpha));
+    let metal = |alpha| Layer::new(Interface::conductor([0.213, 1.04, 1.17], [4.05, 2.59, 2.36], alpha));
+    [
+        vec![coat(1.0, 0.1), metal(0.3)],
+        vec![coat(1.5, 0.1), coat(1.0, 0.2), metal(0.3)],
+        vec![coat(1.5, 0.5).over([0.1, 1.0, 10.0], 1.0), coat(1.5, 1e-3), metal(0.05)],
+        vec![coat(1.1, 0.9), coat(1.2, 0.7), coat(1.3, 0.5), coat(1.4, 0.3), metal(0.1)],
+        vec![coat(1.33, 1e-4), Layer::new(Interface::diffuse([0.9, 0.5, 0.0], 1.0))],
+    ]
+}
+
+/// Every layer of the stacks that are compared, for the storage buffer.
+pub fn layers() -> &'static [Layer<f32, 3>] {
+    &stack_table().0
+}
+
+fn stacks() -> &'static [(usize, usize)] {
+    &stack_table().1
+}
+
+/// The layers of a stack over another number type.
+fn stack_of<R: Real>(first: R, count: R) -> Vec<Layer<R, 3>> {
+    let (first, count) = (first.to_f64() as usize, count.to_f64() as usize);
+    let one = |x: f32| R::from_f64(f64::from(x));
+    let convert = |layer: &Layer<f32, 3>| {
+        let interface = match layer.interface {
+            Interface::Microfacet { n, k, alpha } => {
+                Interface::Microfacet { n: n.map(one), k: k.map(one), alpha: one(alpha) }
+            }
+            Interface::Diffuse { albedo, sigma } => Interface::Diffuse { albedo: albedo.map(one), sigma: one(sigma) },
+        };
+        Layer::new(interface).over(layer.medium.sigma.map(one), one(layer.medium.thickness))
+    };
+    layers()[first..first + count].iter().map(convert).collect()
+}
+
+/// The channel that an argument names.
+fn channel<R: Real>(values: [R; 3], channel: R) -> [R; 1] {
+    [values[channel.to_f64() as usize]]
+}
+
+/// Every twin.
+#[rustfmt::skip]
+pub fn twins() -> Vec<Twin> {
+    vec![
+        twin!(real::sum_exact / 2, ErrorFree, |d| flat![d.between(-4.0, 4.0), d.between(-1e-3, 1e-3)], |a| {
+            let (sum, error) = a[0].sum_exact(a[1]);
+            [sum, error]
+        }),
+        twin!(real::product_exact / 2, ErrorFree, |d| flat![d.between(-4.0, 4.0), d.between(-90.0, 90.0)], |a| {
+            let (product, error) = a[0].product_exact(a[1]);
+            [product, error]
+        }),
+        twin!(real::ln_one_plus / 1, |d| {
+            let (x, side) = (d.positive(), d.unit());
+            flat![if side < 0.4 { -x.min(0.999) } else { x }]
+        }, |a| [a[0].ln_one_plus()]),
+        twin!(real::angle / 2, |d| { let c = d.cosine(); flat![((1.0 - c) * (1.0 + c)).sqrt(), c] }, |a| [a[0].angle(a[1])]),
+        twin!(real::erfcx / 1, |d| flat![d.positive()], |a| [a[0].erfcx()]),
+        twin!(real::exp_product / 2, |d| flat![d.depth(), d.depth()], |a| [a[0].exp_product(a[1])]),
+
+        twin!(fresnel::dielectric / 2, |d| flat![d.cosine_and_ratio()], |a| split(fresnel::dielectric(a[0], a[1]))),
+        twin!(fresnel::refracted_square / 2, |d| flat![d.cosine_and_ratio()], |a| [fresnel::refracted_square(a[0], a[1])]),
+        twin!(fresnel::conductor / 3, |d| flat![d.cosine(), d.index(), d.extinction()],
+            |a| split(fresnel::conductor(a[0], a[1], a[2]))),
+        twin!(fresnel::conductor_approx / 3, |d| flat![d.cosine(), d.index(), d.extinction()],
+            |a| [fresnel::conductor_approx(a[0], a[1], a[2])]),
+        twin!(fresnel::normal_incidence / 2, |d| flat![d.index(), d.extinction()], |a| [fresnel::normal_incidence(a[0], a[1])]),
+        twin!(fresnel::schlick / 2, |d| flat![d.cosine(), d.fraction()], |a| split(fresnel::schlick(a[0], a[1]))),
+        twin!(fresnel::schlick_from_indices / 3, |d| flat![d.cosine(), d.ratio(), d.ratio()],
+            |a| split(fresnel::schlick_from_indices(a[0], a[1], a[2]))),
+        twin!(fresnel::lazanyi_uncorrected / 3, |d| flat![d.cosine(), d.index(), d.extinction()],
+            |a| [fresnel::lazanyi_uncorrected(a[0], a[1], a[2])]),
+        twin!(fresnel::lazanyi / 5, |d| flat![d.cosine(), d.index(), d.extinction(), d.between(0.0, 3.0), d.between(1.0, 12.0)],
+            |a| [fresnel::lazanyi(a[0], a[1], a[2], a[3], a[4])]),
+        twin!(fresnel::f82_tint / 3, |d| flat![d.cosine(), d.fraction(), d.fraction()],
+            |a| [fresnel::f82_tint(a[0], a[1], a[2])]),
+
+        twin!(distribution::beckmann / 2, half_and_width, |a| [distribution::beckmann(at(a, 0), a[3])]),
+        twin!(distribution::beckmann_anisotropic / 3, half_and_widths,
+            |a| [distribution::beckmann_anisotropic(at(a, 0), a[3], a[4])]),
+        twin!(distribution::ggx / 2, half_and_width, |a| [distribution::ggx(at(a, 0), a[3])]),
+        twin!(distribution::ggx_anisotropic / 3, half_and_widths, |a| [distribution::ggx_anisotropic(at(a, 0), a[3], a[4])]),
+        twin!(distribution::blinn / 2, half_and_width, |a| [distribution::blinn(at(a, 0), a[3])]),
+        twin!(distribution::blinn_anisotropic / 3, half_and_widths,
+            |a| [distribution::blinn_anisotropic(at(a, 0), a[3], a[4])]),
+        twin!(distribution::gaussian / 3, |d| {
+            let width = d.width();
+            flat![d.half_vector(width), width, distribution::gaussian_normalisation(width)]
+        }, |a| [distribution::gaussian(at(a, 0), a[3], a[4])]),
+
+        twin!(masking::v_cavity / 3, cosines_and_half, |a| shadow(masking::v_cavity(a[0], a[1], at(a, 2)))),
+        twin!(masking::kelemen / 3, cosines_and_half, |a| shadow(masking::kelemen(a[0], a[1], at(a, 2)))),
+        twin!(masking::smith_ggx / 4, pair_and_widths, |a| shadow(masking::smith_ggx(at(a, 0), at(a, 3), a[6], a[7]))),
+        twin!(masking::smith_ggx_separable / 4, pair_and_widths,
+            |a| shadow(masking::smith_ggx_separable(at(a, 0), at(a, 3), a[6], a[7]))),
+        twin!(masking::smith_beckmann / 4, pair_and_widths,
+            |a| shadow(masking::smith_beckmann(at(a, 0), at(a, 3), a[6], a[7]))),
+        twin!(masking::smith_beckmann_separable / 4, pair_and_widths,
+            |a| shadow(masking::smith_beckmann_separable(at(a, 0), at(a, 3), a[6], a[7]))),
+        twin!(masking::projected_area_ggx / 3, |d| flat![d.direction(), d.width(), d.width()],
+            |a| [masking::projected_area_ggx(at(a, 0), a[3], a[4])]),
+        twin!(masking::projected_area_beckmann / 3, |d| flat![d.direction(), d.width(), d.width()],
+            |a| [masking::projected_area_beckmann(at(a, 0), a[3], a[4])]),
+
+        twin!(diffuse::lambert / 1, |d| flat![d.fraction()], |a| [diffuse::lambert(a[0])]),
+        twin!(diffuse::oren_nayar / 3, |d| flat![d.pair(1.0), d.deviation()], |a| {
+            let parts = diffuse::oren_nayar(at(a, 0), at(a, 3), a[6]);
+            [parts.direct, parts.interreflection]
+        }),
+        twin!(diffuse::oren_nayar_qualitative / 4, |d| flat![d.pair(1.0), d.deviation(), d.fraction()],
+            |a| [diffuse::oren_nayar_qualitative(at(a, 0), at(a, 3), a[6], a[7])]),
+
+        twin!(refraction::cos_t / 2, |d| flat![d.cosine_and_ratio()], |a| [refraction::cos_t(a[0], a[1])]),
+        twin!(refraction::refract / 2, |d| flat![d.direction(), d.ratio()], |a| coordinates(refraction::refract(at(a, 0), a[3]))),
+
+        twin!(absorption::transmittance / 4, |d| flat![d.depth(), d.depth(), d.cosine(), d.cosine()],
+            |a| [absorption::transmittance(a[0], a[1], a[2], a[3])]),
+
+        twin!(phong::phong / 3, |d| flat![d.pair(0.1), d.exponent()], |a| [phong::phong(at(a, 0), at(a, 3), a[6])]),
+        twin!(phong::blinn_phong / 3, |d| flat![d.pair(0.1), d.exponent()], |a| [phong::blinn_phong(at(a, 0), at(a, 3), a[6])]),
+
+        twin!(microfacet::torrance_sparrow / 5, |d| {
+            let width = d.width();
+            flat![d.pair(width), d.index(), d.extinction(), width]
+        }, |a| {
+            let whole = microfacet::torrance_sparrow(at(a, 0), at(a, 3), a[6], a[7], a[8]);
+            [whole.f, whole.reflectance, whole.transmittance, whole.d, whole.g]
+        }),
+        twin!(microfacet::cos_half / 2, |d| flat![d.pair(0.1)], |a| [microfacet::cos_half(at(a, 0), at(a, 3))]),
+        twin!(microfacet::facets / 3, |d| { let width = d.width(); flat![d.pair(width), width] }, |a| {
+            let shared = microfacet::facets(at(a, 0), at(a, 3), a[6]);
+            [shared.lobe, shared.d, shared.g]
+        }),
+
+        twin!(layered::internal_reflection / 2, |d| flat![d.fraction(), d.fraction()],
+            |a| [layered::internal_reflection(a[0], a[1])]),
+        twin!(layered::elek / 4, stack_and_pair, |a| layered::elek(&stack_of(a[0], a[1]), at(a, 2), at(a, 5))),
+        twin!(layered::elek_channel / 5, stack_channel_and_pair,
+            |a| channel(layered::elek(&stack_of(a[0], a[1]), at(a, 3), at(a, 6)), a[2])),
+        twin!(layered::conserving / 4, stack_and_pair, |a| layered::conserving(&stack_of(a[0], a[1]), at(a, 2), at(a, 5))),
+        twin!(layered::conserving_channel / 5, stack_channel_and_pair,
+            |a| channel(layered::conserving(&stack_of(a[0], a[1]), at(a, 3), at(a, 6)), a[2])),
+
+        twin!(patina::patina_extent / 3, |d| flat![d.between(-1.0, 2.0), d.fraction(), d.fraction()],
+            |a| [patina::patina_extent(a[0], a[1], a[2])]),
+    ]
+}
