@@ -27,6 +27,8 @@ compile_error!("brdf needs floating-point functions: enable the feature `std` (d
 
 extern crate alloc;
 
+#[cfg(feature = "check")]
+pub mod check;
 pub mod frame;
 pub mod real;
 
