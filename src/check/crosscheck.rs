@@ -3,7 +3,7 @@
 //! Owen-scrambled Sobol points (Burley 2020), independent scrambles as replicates, so that the spread of their means is an
 //! honest standard error. The points go to a mixture of densities, weighted by the balance heuristic (Veach & Guibas 1995,
 //! eq. 10): the panels of the cubature, the cosine, every radius about the mirror direction alike, and the lobes that were
-//! found. What is averaged is f less the panels' own constants, whose integral is the cubature's result (a control
+//! found. What is averaged is f less the panels' own quadratics, whose integral is the cubature's result (a control
 //! variate, Owen & Zhou 2000), so the points measure what the cubature is wrong by. The estimate is unbiased whatever the
 //! cubature saw; what the panels miss, the other densities still meet.
 
@@ -45,7 +45,7 @@ impl Mixture<'_> {
     /// Integrates f·cosθ over the hemisphere with `replicates` × `samples` points.
     pub(super) fn integrate(&self, replicates: usize, samples: usize, seed: u32) -> Estimate {
         let channels = self.section.subject.channels();
-        let (mut f, mut level) = (vec![0.0; channels], vec![0.0; channels]);
+        let (mut f, mut model) = (vec![0.0; channels], vec![0.0; channels]);
         let (mut sum, mut squares) = (vec![0.0; channels], vec![0.0; channels]);
         for replicate in 0..replicates {
             let scramble = seed.wrapping_mul(0x9e37_79b9).wrapping_add(replicate as u32);
@@ -55,9 +55,9 @@ impl Mixture<'_> {
                 let u = sample_4d(i as u32, 0, scramble).map(|u| f64::from(u) + 2.98e-8);
                 let Some(Draw { v, at, weight, density }) = self.draw(u) else { continue };
                 self.section.evaluate(v, &mut f);
-                self.panels.level(at, &mut level);
-                for ((mean, f), level) in mean.iter_mut().zip(&f).zip(&level) {
-                    *mean += (f - level / weight) / (density * samples as f64);
+                self.panels.model(at, &mut model);
+                for ((mean, f), model) in mean.iter_mut().zip(&f).zip(&model) {
+                    *mean += (f - model / weight) / (density * samples as f64);
                 }
             }
             for c in 0..channels {
