@@ -30,6 +30,8 @@ pub(super) struct Mixture<'a> {
 pub(super) struct Estimate {
     pub(super) mean: Vec<f64>,
     pub(super) standard_error: Vec<f64>,
+    /// Where the sample was that says most against the cubature.
+    pub(super) witness: Vector<f64>,
 }
 
 struct Draw {
@@ -45,19 +47,26 @@ impl Mixture<'_> {
     /// Integrates f·cosθ over the hemisphere with `replicates` × `samples` points.
     pub(super) fn integrate(&self, replicates: usize, samples: usize, seed: u32) -> Estimate {
         let channels = self.section.subject.channels();
+        // The sequence is no longer than that.
+        let samples = samples.min(1 << 16);
         let (mut f, mut model) = (vec![0.0; channels], vec![0.0; channels]);
         let (mut sum, mut squares) = (vec![0.0; channels], vec![0.0; channels]);
+        let mut witness = (0.0, self.section.direction);
         for replicate in 0..replicates {
             let scramble = seed.wrapping_mul(0x9e37_79b9).wrapping_add(replicate as u32);
             let mut mean = vec![0.0; channels];
-            for i in 0..samples.min(1 << 16) {
+            for i in 0..samples {
                 // Sobol coordinates have 24 bits; the half step keeps them inside (0, 1).
                 let u = sample_4d(i as u32, 0, scramble).map(|u| f64::from(u) + 2.98e-8);
                 let Some(Draw { v, at, weight, density }) = self.draw(u) else { continue };
                 self.section.evaluate(v, &mut f);
                 self.panels.model(at, &mut model);
                 for ((mean, f), model) in mean.iter_mut().zip(&f).zip(&model) {
-                    *mean += (f - model / weight) / (density * samples as f64);
+                    let excess = (f - model / weight) / density;
+                    if excess.abs() > witness.0 {
+                        witness = (excess.abs(), v);
+                    }
+                    *mean += excess / samples as f64;
                 }
             }
             for c in 0..channels {
@@ -72,7 +81,7 @@ impl Mixture<'_> {
         for (mean, known) in mean.iter_mut().zip(self.panels.result().0) {
             *mean += known;
         }
-        Estimate { mean, standard_error }
+        Estimate { mean, standard_error, witness: witness.1 }
     }
 
     /// A sample of the mixture; none where the density drawn from reaches below the horizon.

@@ -82,6 +82,14 @@ fn step_from(v: Vector<f64>, frame: &Frame<f64>, a: f64, b: f64) -> Vector<f64> 
     (v + frame.tangent * a + frame.bitangent * b).normalized()
 }
 
+/// The lobe that is uphill from a direction, if f is not 0 there, and what finding it cost.
+pub(super) fn uphill(section: Section<'_>, from: Vector<f64>) -> (Option<Lobe>, usize) {
+    let mut search = Search { section, f: vec![0.0; section.subject.channels()], evaluations: 0 };
+    let (direction, top) = search.climb(from, 1e-3);
+    let lobe = (top > 0.0).then(|| Lobe { direction, width: search.width(direction, top) });
+    (lobe, search.evaluations)
+}
+
 /// The lobes of a section, and what finding them cost in evaluations.
 pub(super) fn find(section: Section<'_>) -> (Vec<Lobe>, usize) {
     let w = section.direction;

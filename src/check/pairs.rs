@@ -99,9 +99,9 @@ const COSINES: [f64; 11] = [
     1.0 - f64::EPSILON,
     core::f64::consts::FRAC_1_SQRT_2,
     0.5,
-    0.258_819_045_102_520_74, // 75°
-    0.087_155_742_747_658_18, // 85°
-    0.017_452_406_437_283_52, // 89°
+    0.258_819_045_102_520_74,    // 75°
+    0.087_155_742_747_658_18,    // 85°
+    0.017_452_406_437_283_52,    // 89°
     0.001_745_328_365_898_308_9, // 89.9°
     1e-4,
     1e-6,
@@ -147,7 +147,8 @@ pub(super) fn climb(
         let moved = |v: Vector<f64>, a: f64, b: f64| {
             let frame = Frame::from_normal(v);
             // Steps shrink with the cosine, so that grazing directions stay above the horizon.
-            let v = (v + (frame.tangent * a + frame.bitangent * b) * (sigma * v.z.clamp(1e-6, 1.0).sqrt())).normalized();
+            let v =
+                (v + (frame.tangent * a + frame.bitangent * b) * (sigma * v.z.clamp(1e-6, 1.0).sqrt())).normalized();
             if v.z > 1e-7 { v } else { Vector::new(v.x, v.y, 1e-7).normalized() }
         };
         let next = (moved(best.0, u[0], u[1]), moved(best.1, u[2], u[3]));
@@ -182,7 +183,8 @@ mod tests {
     fn climbing_finds_a_maximum() {
         let target = Vector::from_angles(0.7, 1.0);
         let start = Class::Hemisphere.pair(3, 1);
-        let (_, value) = climb(start, 5, 400, |wi, wo| -((wi - target).length_squared() + (wo - target).length_squared()));
+        let (_, value) =
+            climb(start, 5, 400, |wi, wo| -((wi - target).length_squared() + (wo - target).length_squared()));
         assert!(value > -1e-4, "{value}");
     }
 }

@@ -175,12 +175,13 @@ impl Finding {
 /// Polar angle and azimuth in degrees. Grazing angles keep what tells them from 90°.
 fn angles(v: Vector<f64>) -> String {
     let across = v.sin_squared().sqrt();
-    let phi = if across > 0.0 { v.y.atan2(v.x).to_degrees() } else { 0.0 };
+    // The sum with 0 turns −0 into 0.
+    let phi = if across > 0.0 { (v.y.atan2(v.x).to_degrees() * 100.0).round() / 100.0 + 0.0 } else { 0.0 };
     let elevation = v.z.atan2(across).to_degrees();
     if elevation.abs() < 0.05 {
-        format!("({elevation:.1e}° above 90°·, {phi:.2}°)").replace(" above 90°·", " up")
+        format!("(90°−{elevation:.1e}°, {phi}°)")
     } else {
-        format!("({:.2}°, {phi:.2}°)", 90.0 - elevation)
+        format!("({}°, {phi}°)", ((90.0 - elevation) * 100.0).round() / 100.0)
     }
 }
 

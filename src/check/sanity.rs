@@ -85,8 +85,8 @@ pub fn sanity(subject: &dyn Subject, samples: usize, seed: u32) -> (Vec<Finding>
                 negative.add("found downhill", value, channel, pair);
             }
         }
-        findings.push(defect(subject, Check::Finite, single, &broken, samples));
-        findings.push(defect(subject, Check::Sign, single, &negative, samples));
+        findings.push(defect(subject, Check::Finite, single, &broken, 0.0, samples));
+        findings.push(defect(subject, Check::Sign, single, &negative, least.map_or(0.0, |(f, _)| f), samples));
     }
     findings.extend(horizon(subject, samples, seed, &mut evaluations));
     (findings, evaluations)
@@ -107,9 +107,9 @@ fn narrow(subject: &dyn Subject, wi: Vector<f64>, wo: Vector<f64>, f: &mut [f64]
     exists
 }
 
-fn defect(subject: &dyn Subject, check: Check, single: bool, tally: &Tally, samples: usize) -> Finding {
+fn defect(subject: &dyn Subject, check: Check, single: bool, tally: &Tally, passing: f64, samples: usize) -> Finding {
     let (value, place, channel) = match tally.worst {
-        None => (0.0, Place::Everywhere, None),
+        None => (passing, Place::Everywhere, None),
         Some((worst, channel, (wi, wo))) => (
             if check == Check::Sign { -worst } else { tally.total as f64 },
             Place::Pair { wi, wo },
