@@ -29,7 +29,7 @@ pub struct Effort {
 
 impl Default for Effort {
     fn default() -> Self {
-        Effort { target: 1e-4, evaluations: 30_000, replicates: 16, samples: 512, seed: 1 }
+        Effort { target: 5e-5, evaluations: 30_000, replicates: 16, samples: 512, seed: 1 }
     }
 }
 

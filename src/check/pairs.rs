@@ -64,7 +64,7 @@ impl Class {
         let anywhere = |a: f64, b: f64| with_cosine((1.0 - a).sqrt(), TAU * b);
         let grazing = |a: f64, b: f64| with_cosine(1e-7f64.powf(a), TAU * b);
         // Every other pair has wo near grazing, where most models fail.
-        let either = if index % 2 == 0 { anywhere(u[0], u[1]) } else { grazing(0.5 * u[0], u[1]) };
+        let either = if index.is_multiple_of(2) { anywhere(u[0], u[1]) } else { grazing(0.5 * u[0], u[1]) };
         match self {
             Class::Hemisphere => (anywhere(u[2], u[3]), anywhere(u[0], u[1])),
             Class::Mirror => {

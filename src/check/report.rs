@@ -152,8 +152,11 @@ impl Finding {
 
     fn measured(&self) -> String {
         match self.check {
-            Check::Energy => format!("{:.4} ± {:.4}", self.value, self.error),
+            // Rounded up: an error of 0 is never claimed.
+            Check::Energy => format!("{:.4} ± {:.4}", self.value, (self.error * 1e4).ceil().max(1.0) * 1e-4),
+            Check::Finite if self.value == 0.0 => "everywhere".into(),
             Check::Finite | Check::Horizon => format!("{} samples", self.value),
+            Check::Sign if self.verdict == Verdict::Pass => format!("f ≥ {:.2e}", self.value),
             Check::Reciprocity | Check::Sign | Check::Precision => format!("{:.2e}", self.value),
         }
     }
@@ -229,5 +232,44 @@ impl Display for Coverage {
              distribution is < {:.1e} with 95 % confidence; smaller regions are not excluded",
             3.0 / (*pairs).max(1) as f64
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn finding(check: Check, verdict: Verdict, binding: bool) -> Finding {
+        Finding {
+            check,
+            single: false,
+            verdict,
+            binding,
+            value: 1.249,
+            error: 0.0004,
+            limit: 1.001,
+            place: Place::Marginal { theta: 80.0, phi: 0.0, fixed: Fixed::Light },
+            channel: Some((0, "r".into())),
+            note: String::new(),
+        }
+    }
+
+    #[test]
+    fn a_line_says_what_and_where() {
+        let line = finding(Check::Energy, Verdict::Fail, true).to_string();
+        assert_eq!(line, "ENERGY FAIL 1.2490 ± 0.0004 at θ=80°, r [light fixed]");
+    }
+
+    #[test]
+    fn advisory_findings_do_not_bind() {
+        let findings =
+            vec![finding(Check::Energy, Verdict::Pass, true), finding(Check::Reciprocity, Verdict::Fail, false)];
+        let mut report = Report { subject: "s".into(), findings, albedos: Vec::new(), coverage: Coverage::default() };
+        assert_eq!(report.verdict(), Verdict::Pass);
+        assert!(report.to_string().contains("(FAIL)"), "{report}");
+        report.findings.push(finding(Check::Sign, Verdict::Inconclusive, true));
+        assert_eq!(report.verdict(), Verdict::Inconclusive);
+        report.findings.clear();
+        assert_eq!(report.verdict(), Verdict::Inconclusive);
     }
 }

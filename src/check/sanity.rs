@@ -217,3 +217,57 @@ pub fn precision(subject: &dyn Subject, samples: usize, seed: u32) -> Option<Fin
         note: format!("worst relative deviation from f64, median {median:.1e}"),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::corpus::{beckmann, v_cavity};
+    use super::*;
+    use crate::frame::half_vector;
+
+    /// Torrance–Sparrow whose single-precision instance forms tan² from 1 − NH².
+    struct Cancelling;
+
+    impl Subject for Cancelling {
+        fn name(&self) -> String {
+            "cancelling".into()
+        }
+        fn channels(&self) -> usize {
+            1
+        }
+        fn evaluate(&self, wi: Vector<f64>, wo: Vector<f64>, f: &mut [f64]) {
+            f[0] = if wi.z > 0.0 && wo.z > 0.0 { beckmann(half_vector(wi, wo), 0.01) * v_cavity(wi, wo) } else { 0.0 };
+        }
+        fn evaluate_single(&self, wi: Vector<f32>, wo: Vector<f32>, f: &mut [f32]) -> bool {
+            let h = half_vector(wi, wo).normalized();
+            let t = (1.0 - h.z * h.z) / (h.z * h.z);
+            let d = (1.0 + t) * (1.0 + t) * (-t / 1e-4).exp() / (core::f32::consts::PI * 1e-4);
+            f[0] = d * v_cavity(wi.cast(), wo.cast()) as f32;
+            true
+        }
+    }
+
+    #[test]
+    fn single_precision_is_judged_apart() {
+        let (findings, _) = sanity(&Cancelling, 256, 1);
+        let verdict =
+            |check, single| findings.iter().find(|f| f.check == check && f.single == single).map(|f| f.verdict);
+        assert_eq!(verdict(Check::Finite, false), Some(Verdict::Pass), "{findings:?}");
+        assert_eq!(verdict(Check::Sign, false), Some(Verdict::Pass), "{findings:?}");
+        assert!(verdict(Check::Finite, true).is_some() && verdict(Check::Sign, true).is_some());
+        let precision = precision(&Cancelling, 256, 1);
+        let fine = |f: &Finding| f.value > 1e-3 && f.verdict == Verdict::Pass && !f.binding;
+        assert!(precision.as_ref().is_some_and(fine), "{precision:?}");
+    }
+
+    #[test]
+    fn a_small_negative_region_is_found_downhill() {
+        let away = Vector::from_angles(0.8, 1.0);
+        let subject = super::super::from_fn("dented", 1, move |wi: Vector<f64>, wo: Vector<f64>, f: &mut [f64]| {
+            let distance = (wi - away).length_squared() + (wo - away).length_squared();
+            f[0] = distance - 1e-6;
+        });
+        let (findings, _) = sanity(&subject, 128, 1);
+        let sign = findings.iter().find(|f| f.check == Check::Sign);
+        assert_eq!(sign.map(|f| f.verdict), Some(Verdict::Fail), "{findings:?}");
+    }
+}
