@@ -220,7 +220,7 @@ mod verdicts {
 
     #[test]
     fn stacks_are_integrated_well() {
-        let harder = Effort { target: 2e-6, evaluations: 3_000_000, replicates: 0, ..Effort::default() };
+        let harder = Effort { target: 1e-5, evaluations: 1_000_000, replicates: 0, ..Effort::default() };
         for (top, base) in [(0.02, 0.3), (0.3, 0.02), (0.02, 0.02), (0.001, 0.1), (0.5, 0.001)] {
             let subject = one(&format!("stack {top} over {base}"), stack(top, base));
             let report = judge(&subject);

@@ -176,3 +176,47 @@ pub fn assert_plausible(subject: &dyn Subject) {
     let report = check(subject, &Options::default());
     assert!(report.verdict() == Verdict::Pass, "not plausible\n{report}");
 }
+
+#[cfg(test)]
+mod tests {
+    use super::corpus::{ggx_smith, lambert, view_scaled};
+    use super::*;
+    use core::sync::atomic::{AtomicUsize, Ordering};
+
+    #[test]
+    fn plausible_subjects_are_asserted() {
+        assert_plausible(&lambert());
+    }
+
+    #[test]
+    #[should_panic(expected = "[light fixed]")]
+    fn implausible_subjects_panic_with_the_counterexample() {
+        assert_plausible(&view_scaled(0.5));
+    }
+
+    #[test]
+    fn reports_repeat_and_progress_ends() {
+        let (steps, last) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let progress = |done: usize, total: usize| {
+            steps.fetch_add(1, Ordering::Relaxed);
+            if done == total {
+                last.store(total, Ordering::Relaxed);
+            }
+        };
+        let options = Options { budget: 200_000, thetas: &[0.0, 60.0, 89.0], seed: 9, ..Options::default() };
+        let watched = check(&ggx_smith(0.2), &Options { progress: Some(&progress), ..options });
+        assert_eq!(watched, check(&ggx_smith(0.2), &options));
+        assert_eq!(steps.into_inner(), last.into_inner());
+        let other = check(&ggx_smith(0.2), &Options { seed: 10, ..options });
+        assert_eq!(other.verdict(), watched.verdict());
+    }
+
+    #[test]
+    fn profiles_choose_what_binds() {
+        let subject = view_scaled(0.5);
+        let verdict = |profile| check(&subject, &Options { profile, ..Options::default() }).verdict();
+        assert_eq!(verdict(Profile::Strict), Verdict::Fail);
+        assert_eq!(verdict(Profile::Realtime), Verdict::Pass);
+        assert_eq!(verdict(Profile::Term), Verdict::Pass);
+    }
+}
