@@ -41,7 +41,11 @@ pub fn dielectric<R: Real>(cos_i: R, eta: R) -> Fresnel<R> {
     let sum_s = R::select(matched, R::ONE, (c + g).squared());
     let sum_p = R::select(matched, R::ONE, (eta_squared * c + g).squared());
     let rs = e1 / sum_s;
-    let rp = e1 * ((eta_squared + R::ONE) * c * c - R::ONE) / sum_p;
+    // (η²+1)c²−1, 0 at Brewster's angle; for η < 1 from g², since (η²+1)c² and 1 differ by η⁴ at the critical angle.
+    let one_more = eta_squared + R::ONE;
+    let inside = one_more * g_squared - eta_squared * eta_squared;
+    let brewster = R::select(eta.lt(R::ONE), inside, one_more * c * c - R::ONE);
+    let rp = e1 * brewster / sum_p;
     let transmittance = R::TWO * c * g * (R::ONE / sum_s + eta_squared / sum_p);
     Fresnel {
         reflectance: R::select(total, R::ONE, R::HALF * (rs * rs + rp * rp)),

@@ -28,6 +28,8 @@ compile_error!("brdf needs floating-point functions: enable the feature `std` (d
 extern crate alloc;
 
 pub mod absorption;
+#[cfg(feature = "check")]
+pub mod check;
 pub mod diffuse;
 pub mod distribution;
 pub mod frame;

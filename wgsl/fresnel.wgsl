@@ -21,7 +21,11 @@ fn dielectric(cos_i: f32, eta: f32) -> Fresnel {
     let root_p = eta_squared * c + g;
     let sum_p = select(root_p * root_p, 1.0, matched);
     let rs = one / sum_s;
-    let rp = one * ((eta_squared + 1.0) * c * c - 1.0) / sum_p;
+    // (eta²+1)c²-1, 0 at Brewster's angle; for eta < 1 from g².
+    let one_more = eta_squared + 1.0;
+    let inner = one_more * g_squared - eta_squared * eta_squared;
+    let brewster = select(one_more * c * c - 1.0, inner, eta < 1.0);
+    let rp = one * brewster / sum_p;
     let transmittance = 2.0 * c * g * (1.0 / sum_s + eta_squared / sum_p);
     return Fresnel(
         select(0.5 * (rs * rs + rp * rp), 1.0, total),

@@ -35,7 +35,10 @@ pub enum Problem {
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Problem::OutOfRange { value, allowed } => write!(f, "{value} is not allowed, it must be {allowed}"),
+            Problem::OutOfRange { value, allowed } => {
+                let finite = if value.is_finite() { "" } else { "finite and " };
+                write!(f, "{value} is not allowed, it must be {finite}{allowed}")
+            }
             Problem::Empty => write!(f, "a stack needs at least one layer"),
             Problem::DiffuseNotLast => write!(f, "a diffuse base is opaque, so it must be the last layer"),
         }
@@ -79,7 +82,9 @@ pub(super) fn validate<R: Real, const C: usize>(layers: &[Layer<R, C>]) -> Resul
             }
             Interface::Diffuse { albedo, sigma } => {
                 check("interface.diffuse.albedo", albedo, "in [0, 1]", |v| (0.0..=1.0).contains(&v))?;
-                check("interface.diffuse.sigma", &[*sigma], "in [0, π/2]", |v| (0.0..=1.5708).contains(&v))?;
+                check("interface.diffuse.sigma", &[*sigma], "in [0, π/2]", |v| {
+                    v >= 0.0 && v <= core::f64::consts::FRAC_PI_2 * (1.0 + f64::from(f32::EPSILON))
+                })?;
                 if index + 1 < layers.len() {
                     let problem = Problem::DiffuseNotLast;
                     return Err(StackError { layer: Some(index), key: "interface.diffuse", problem });

@@ -1,0 +1,275 @@
+//! What a check found, as data and as a table.
+
+use super::energy::Albedo;
+use super::subject::Fixed;
+use super::verdict::Verdict;
+use crate::frame::Vector;
+use core::fmt::{self, Display, Formatter};
+
+/// What was checked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Check {
+    /// Albedo ≤ 1.
+    Energy,
+    /// f(a, b) = f(b, a).
+    Reciprocity,
+    /// Neither NaN nor infinite above the horizon.
+    Finite,
+    /// Not negative above the horizon.
+    Sign,
+    /// What is returned at and below the horizon. Never binds: a renderer need not ask.
+    Horizon,
+    /// Single against double precision. Never binds.
+    Precision,
+}
+
+impl Check {
+    /// The name in the table.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Check::Energy => "ENERGY",
+            Check::Reciprocity => "RECIPROCITY",
+            Check::Finite => "FINITE",
+            Check::Sign => "SIGN",
+            Check::Horizon => "HORIZON",
+            Check::Precision => "PRECISION",
+        }
+    }
+}
+
+/// Where a finding was made: what has to be put in to see it again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// Everywhere that was looked.
+    Everywhere,
+    /// The direction that an albedo holds fixed, in degrees.
+    Marginal {
+        /// Polar angle.
+        theta: f64,
+        /// Azimuth.
+        phi: f64,
+        /// Which direction.
+        fixed: Fixed,
+    },
+    /// A pair of directions.
+    Pair {
+        /// Towards the light.
+        wi: Vector<f64>,
+        /// Towards the viewer.
+        wo: Vector<f64>,
+    },
+}
+
+/// One line of the report: a check, its verdict, and the worst case that led to it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// What was checked.
+    pub check: Check,
+    /// Whether it was the single-precision instance that was judged; else double precision.
+    pub single: bool,
+    /// The outcome.
+    pub verdict: Verdict,
+    /// Whether the outcome counts in [`Report::verdict`]. An advisory finding does not.
+    pub binding: bool,
+    /// The worst value: an albedo, a relative difference, a count of non-finite samples, the least f.
+    pub value: f64,
+    /// What the value may be wrong by; 0 where it is exact.
+    pub error: f64,
+    /// What the value was held against, its tolerance included.
+    pub limit: f64,
+    /// Where the value was found.
+    pub place: Place,
+    /// The channel, and its name.
+    pub channel: Option<(usize, String)>,
+    /// What else a reader should know: counts, likely causes.
+    pub note: String,
+}
+
+/// What was looked at, so that a pass can be read for what it is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Coverage {
+    /// Seed of every random choice.
+    pub seed: u32,
+    /// Evaluations that were asked for.
+    pub budget: usize,
+    /// Evaluations that were made.
+    pub evaluations: usize,
+    /// Directions whose albedo was integrated.
+    pub integrals: usize,
+    /// Pairs of directions that were tried.
+    pub pairs: usize,
+    /// Optimiser runs that started from the worst of them.
+    pub restarts: usize,
+    /// Whether a common rotation about the normal was measured to change f.
+    pub anisotropic: bool,
+}
+
+/// Everything that was found about one subject.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Report {
+    /// The subject's name.
+    pub subject: String,
+    /// One finding per check.
+    pub findings: Vec<Finding>,
+    /// The albedos that the energy findings rest on, by marginal, azimuth and polar angle.
+    pub albedos: Vec<Albedo>,
+    /// What was looked at.
+    pub coverage: Coverage,
+}
+
+impl Report {
+    /// The worst verdict of the binding findings; inconclusive if there are none.
+    pub fn verdict(&self) -> Verdict {
+        let binding = self.findings.iter().filter(|finding| finding.binding);
+        binding.map(|finding| finding.verdict).max().unwrap_or(Verdict::Inconclusive)
+    }
+
+    /// The first finding of a check, if it was made.
+    pub fn finding(&self, check: Check) -> Option<&Finding> {
+        self.findings.iter().find(|finding| finding.check == check)
+    }
+
+    /// The energy finding of one marginal, if it was made.
+    pub fn energy(&self, which: Fixed) -> Option<&Finding> {
+        self.findings.iter().find(|finding| {
+            finding.check == Check::Energy && matches!(finding.place, Place::Marginal { fixed, .. } if fixed == which)
+        })
+    }
+}
+
+impl Finding {
+    fn title(&self) -> String {
+        format!("{}{}", self.check.name(), if self.single { " f32" } else { "" })
+    }
+
+    fn outcome(&self) -> String {
+        match (self.binding, self.check) {
+            (false, Check::Horizon | Check::Precision) => "note".into(),
+            (false, _) if self.verdict != Verdict::Pass => format!("({})", self.verdict),
+            _ => self.verdict.to_string(),
+        }
+    }
+
+    fn measured(&self) -> String {
+        match self.check {
+            // Rounded up: an error of 0 is never claimed.
+            Check::Energy => format!("{:.4} ± {:.4}", self.value, (self.error * 1e4).ceil().max(1.0) * 1e-4),
+            Check::Finite if self.value == 0.0 => "everywhere".into(),
+            Check::Finite | Check::Horizon => format!("{} samples", self.value),
+            Check::Sign if self.verdict == Verdict::Pass => format!("f ≥ {:.2e}", self.value),
+            Check::Reciprocity | Check::Sign | Check::Precision => format!("{:.2e}", self.value),
+        }
+    }
+
+    fn located(&self) -> String {
+        let channel = self.channel.as_ref().map_or("", |(_, name)| name);
+        let separator = if channel.is_empty() { "" } else { ", " };
+        match self.place {
+            Place::Everywhere => String::new(),
+            Place::Marginal { theta, phi, fixed } => {
+                let azimuth = if phi == 0.0 { String::new() } else { format!(" φ={phi}°") };
+                format!("at θ={theta}°{azimuth}{separator}{channel} [{} fixed]", fixed.name())
+            }
+            Place::Pair { wi, wo } => format!("at wi={} wo={}{separator}{channel}", angles(wi), angles(wo)),
+        }
+    }
+}
+
+/// Polar angle and azimuth in degrees. Grazing angles keep what tells them from 90°.
+fn angles(v: Vector<f64>) -> String {
+    let across = v.sin_squared().sqrt();
+    // The sum with 0 turns −0 into 0.
+    let phi = if across > 0.0 { (v.y.atan2(v.x).to_degrees() * 100.0).round() / 100.0 + 0.0 } else { 0.0 };
+    let elevation = v.z.atan2(across).to_degrees();
+    if elevation.abs() < 0.05 {
+        format!("(90°−{elevation:.1e}°, {phi}°)")
+    } else {
+        format!("({}°, {phi}°)", ((90.0 - elevation) * 100.0).round() / 100.0)
+    }
+}
+
+impl Display for Finding {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let columns = [self.title(), self.outcome(), self.measured(), self.located(), self.note.clone()];
+        let filled: Vec<&str> = columns.iter().map(String::as_str).filter(|column| !column.is_empty()).collect();
+        f.write_str(&filled.join(" "))
+    }
+}
+
+impl Display for Report {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}: {}", self.subject, self.verdict())?;
+        let rows: Vec<[String; 4]> = self
+            .findings
+            .iter()
+            .map(|finding| [finding.title(), finding.outcome(), finding.measured(), finding.located()])
+            .collect();
+        let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+        let widths = [0, 1, 2, 3].map(width);
+        for (row, finding) in rows.iter().zip(&self.findings) {
+            let mut line = String::from(" ");
+            for (cell, width) in row.iter().zip(widths) {
+                line.push_str(&format!(" {cell:width$} "));
+            }
+            line.push_str(&finding.note);
+            writeln!(f, "{}", line.trim_end())?;
+        }
+        write!(f, "{}", self.coverage)
+    }
+}
+
+impl Display for Coverage {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Coverage { seed, budget, evaluations, integrals, pairs, restarts, anisotropic } = self;
+        writeln!(
+            f,
+            "  seed {seed}, {evaluations} evaluations (budget {budget}), {integrals} integrals, measured {}",
+            if *anisotropic { "anisotropic" } else { "isotropic" }
+        )?;
+        writeln!(
+            f,
+            "  {pairs} pairs and {restarts} restarts: where no violation was found, the violating measure under this \
+             distribution is < {:.1e} with 95 % confidence; smaller regions are not excluded",
+            3.0 / (*pairs).max(1) as f64
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn finding(check: Check, verdict: Verdict, binding: bool) -> Finding {
+        Finding {
+            check,
+            single: false,
+            verdict,
+            binding,
+            value: 1.249,
+            error: 0.0004,
+            limit: 1.001,
+            place: Place::Marginal { theta: 80.0, phi: 0.0, fixed: Fixed::Light },
+            channel: Some((0, "r".into())),
+            note: String::new(),
+        }
+    }
+
+    #[test]
+    fn a_line_says_what_and_where() {
+        let line = finding(Check::Energy, Verdict::Fail, true).to_string();
+        assert_eq!(line, "ENERGY FAIL 1.2490 ± 0.0004 at θ=80°, r [light fixed]");
+    }
+
+    #[test]
+    fn advisory_findings_do_not_bind() {
+        let findings =
+            vec![finding(Check::Energy, Verdict::Pass, true), finding(Check::Reciprocity, Verdict::Fail, false)];
+        let mut report = Report { subject: "s".into(), findings, albedos: Vec::new(), coverage: Coverage::default() };
+        assert_eq!(report.verdict(), Verdict::Pass);
+        assert!(report.to_string().contains("(FAIL)"), "{report}");
+        report.findings.push(finding(Check::Sign, Verdict::Inconclusive, true));
+        assert_eq!(report.verdict(), Verdict::Inconclusive);
+        report.findings.clear();
+        assert_eq!(report.verdict(), Verdict::Inconclusive);
+    }
+}

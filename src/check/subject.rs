@@ -1,0 +1,125 @@
+//! What is judged: anything that returns a BRDF for a pair of directions.
+
+use crate::frame::Vector;
+
+/// A BRDF under judgement, its parameters fixed.
+///
+/// `f` is in sr⁻¹, without the cosine, one number per channel; directions are unit, in the local frame, and point away
+/// from the surface. The judge assumes nothing else: neither isotropy nor reciprocity nor a finite result.
+///
+/// A subject is called from several threads at once and must return the same numbers for the same directions.
+pub trait Subject: Sync {
+    /// What the report calls the subject.
+    fn name(&self) -> String;
+
+    /// How many numbers `f` holds: 3 is RGB.
+    fn channels(&self) -> usize;
+
+    /// Writes the BRDF in double precision into `f`, which has [`Subject::channels`] entries.
+    fn evaluate(&self, wi: Vector<f64>, wo: Vector<f64>, f: &mut [f64]);
+
+    /// Writes the BRDF as single precision computes it and returns true, or returns false where there is no such thing.
+    fn evaluate_single(&self, _wi: Vector<f32>, _wo: Vector<f32>, _f: &mut [f32]) -> bool {
+        false
+    }
+
+    /// What the report calls a channel: r, g, b of three, nothing of one, else its number.
+    fn channel_name(&self, channel: usize) -> String {
+        match (self.channels(), channel) {
+            (1, _) => String::new(),
+            (3, 0) => "r".into(),
+            (3, 1) => "g".into(),
+            (3, 2) => "b".into(),
+            _ => format!("channel {channel}"),
+        }
+    }
+}
+
+/// A subject made of a closure; see [`from_fn`].
+#[derive(Clone, Debug)]
+pub struct FromFn<F> {
+    name: String,
+    channels: usize,
+    f: F,
+}
+
+/// A subject from a closure that writes `channels` numbers for `(wi, wo)`.
+///
+/// ```
+/// use brdf::check;
+/// let lambert = check::from_fn("Lambert", 1, |_wi, _wo, f| f[0] = std::f64::consts::FRAC_1_PI);
+/// assert_eq!(check::Subject::name(&lambert), "Lambert");
+/// ```
+pub fn from_fn<F>(name: impl Into<String>, channels: usize, f: F) -> FromFn<F>
+where
+    F: Fn(Vector<f64>, Vector<f64>, &mut [f64]) + Sync,
+{
+    FromFn { name: name.into(), channels, f }
+}
+
+impl<F> Subject for FromFn<F>
+where
+    F: Fn(Vector<f64>, Vector<f64>, &mut [f64]) + Sync,
+{
+    fn name(&self) -> String {
+        self.name.clone()
+    }
+    fn channels(&self) -> usize {
+        self.channels
+    }
+    fn evaluate(&self, wi: Vector<f64>, wo: Vector<f64>, f: &mut [f64]) {
+        (self.f)(wi, wo, f);
+    }
+}
+
+/// The direction that an integral holds fixed: its *marginal*.
+///
+/// A furnace image fixes the view, so a model that is normalised per view passes every furnace and may still reflect
+/// more than it receives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fixed {
+    /// `wo` is fixed, `wi` is integrated over: what a furnace image shows.
+    View,
+    /// `wi` is fixed, `wo` is integrated over: the share of one light that is reflected.
+    Light,
+}
+
+impl Fixed {
+    /// Both marginals.
+    pub const BOTH: [Fixed; 2] = [Fixed::View, Fixed::Light];
+
+    /// `view` or `light`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Fixed::View => "view",
+            Fixed::Light => "light",
+        }
+    }
+}
+
+/// A subject with one of its directions fixed, as a function of the other one.
+#[derive(Clone, Copy)]
+pub(super) struct Section<'a> {
+    pub(super) subject: &'a dyn Subject,
+    pub(super) direction: Vector<f64>,
+    pub(super) fixed: Fixed,
+}
+
+impl Section<'_> {
+    /// Writes f with the free direction `v`; returns how many channels were not finite, which then read 0.
+    pub(super) fn evaluate(&self, v: Vector<f64>, f: &mut [f64]) -> usize {
+        f.fill(0.0);
+        match self.fixed {
+            Fixed::View => self.subject.evaluate(v, self.direction, f),
+            Fixed::Light => self.subject.evaluate(self.direction, v, f),
+        }
+        let mut broken = 0;
+        for x in f.iter_mut() {
+            if !x.is_finite() {
+                *x = 0.0;
+                broken += 1;
+            }
+        }
+        broken
+    }
+}
