@@ -37,12 +37,14 @@ mod quadrature;
 pub mod reciprocity;
 pub mod report;
 pub mod sanity;
+mod stack;
 pub mod subject;
 pub mod verdict;
 
 pub use energy::{Albedo, Effort, albedo};
 pub use marginals::THETAS;
 pub use report::{Check, Coverage, Finding, Place, Report};
+pub use stack::StackSubject;
 pub use subject::{Fixed, FromFn, Subject, from_fn};
 pub use verdict::{TOLERANCE, Verdict};
 

@@ -21,6 +21,8 @@ pub enum Check {
     Horizon,
     /// Single against double precision. Never binds.
     Precision,
+    /// The WGSL twin against the Rust function, in shares of what WGSL allows. The judge itself runs no twin: its caller adds it.
+    Twin,
 }
 
 impl Check {
@@ -33,6 +35,7 @@ impl Check {
             Check::Sign => "SIGN",
             Check::Horizon => "HORIZON",
             Check::Precision => "PRECISION",
+            Check::Twin => "TWIN",
         }
     }
 }
@@ -157,6 +160,7 @@ impl Finding {
             Check::Finite if self.value == 0.0 => "everywhere".into(),
             Check::Finite | Check::Horizon => format!("{} samples", self.value),
             Check::Sign if self.verdict == Verdict::Pass => format!("f ≥ {:.2e}", self.value),
+            Check::Twin => format!("{:.0}% used", 100.0 * self.value),
             Check::Reciprocity | Check::Sign | Check::Precision => format!("{:.2e}", self.value),
         }
     }

@@ -91,6 +91,19 @@ impl<R: Real, const C: usize> Layer<R, C> {
     pub fn over(self, sigma: [R; C], thickness: R) -> Self {
         Layer { medium: Medium { sigma, thickness }, ..self }
     }
+
+    /// The same layer over another number type.
+    pub fn cast<S: Real>(&self) -> Layer<S, C> {
+        let one = |x: R| S::from_f64(x.to_f64());
+        let interface = match self.interface {
+            Interface::Microfacet { n, k, alpha } => {
+                Interface::Microfacet { n: n.map(one), k: k.map(one), alpha: one(alpha) }
+            }
+            Interface::Diffuse { albedo, sigma } => Interface::Diffuse { albedo: albedo.map(one), sigma: one(sigma) },
+        };
+        let Medium { sigma, thickness } = self.medium;
+        Layer { interface, medium: Medium { sigma: sigma.map(one), thickness: one(thickness) } }
+    }
 }
 
 /// How a stack is evaluated.
@@ -170,17 +183,21 @@ impl<R: Real, const C: usize> Stack<R, C> {
 
     /// The same stack over another number type.
     pub fn cast<S: Real>(&self) -> Stack<S, C> {
-        let one = |x: R| S::from_f64(x.to_f64());
-        let layer = |layer: &Layer<R, C>| Layer {
+        Stack { layers: self.layers.iter().map(Layer::cast).collect(), model: self.model }
+    }
+}
+
+impl<R: Real> Stack<R, 1> {
+    /// The stack with this one channel in each of `C`.
+    pub fn broadcast<const C: usize>(&self) -> Stack<R, C> {
+        let layer = |layer: &Layer<R, 1>| Layer {
             interface: match layer.interface {
-                Interface::Microfacet { n, k, alpha } => {
-                    Interface::Microfacet { n: n.map(one), k: k.map(one), alpha: one(alpha) }
+                Interface::Microfacet { n: [n], k: [k], alpha } => {
+                    Interface::Microfacet { n: [n; C], k: [k; C], alpha }
                 }
-                Interface::Diffuse { albedo, sigma } => {
-                    Interface::Diffuse { albedo: albedo.map(one), sigma: one(sigma) }
-                }
+                Interface::Diffuse { albedo: [albedo], sigma } => Interface::Diffuse { albedo: [albedo; C], sigma },
             },
-            medium: Medium { sigma: layer.medium.sigma.map(one), thickness: one(layer.medium.thickness) },
+            medium: Medium { sigma: [layer.medium.sigma[0]; C], thickness: layer.medium.thickness },
         };
         Stack { layers: self.layers.iter().map(layer).collect(), model: self.model }
     }

@@ -10,9 +10,12 @@ mod table;
 pub use draw::Draw;
 pub use table::{Judge, Twin, layers, twins};
 
+use crate::frame::Vector;
 use crate::gpu::{Gpu, GpuError, Kernel, STACK_BINDINGS, layer_bytes};
 use crate::interval::WgslInterval;
-use crate::shader::Scalar;
+use crate::layered::{Layer, Model, Stack};
+use crate::real::Real;
+use crate::shader::{Leaf, Scalar};
 use crate::wgsl;
 
 /// The comparison of one function on one adapter.
@@ -65,13 +68,6 @@ pub struct Worst {
     pub allowed: (f64, f64),
 }
 
-/// The WGSL of one twin with what it needs, and the bindings that supply its layers where it reads some.
-pub fn twin_source(twin: &Twin) -> Result<(String, Option<&'static str>), wgsl::LinkError> {
-    let source = wgsl::link_function(twin.module, twin.function)?;
-    let bindings = source.contains("stack_layer(").then_some(STACK_BINDINGS);
-    Ok((source, bindings))
-}
-
 /// Runs a twin over this many samples on an adapter.
 ///
 /// # Errors
@@ -81,32 +77,74 @@ pub fn compare(gpu: &Gpu, twin: &Twin, samples: usize) -> Result<Comparison, Gpu
     let rows: Vec<Vec<f32>> = (0..samples as u64)
         .map(|index| (twin.sample)(&mut Draw::new(index)).into_iter().map(|value| value as f32).collect())
         .collect();
-    let outputs = run(gpu, twin, &rows)?;
-    Ok(judge(twin, &rows, &outputs))
+    let outputs = map_twin(gpu, twin, &rows, layers())?;
+    Ok(judge(twin, &twin.double, &twin.allowed, &rows, &outputs))
 }
 
-/// The results of a twin on an adapter and the names of its arguments and results.
-struct Outputs {
-    inputs: Vec<String>,
-    names: Vec<String>,
-    values: Vec<f32>,
+/// Compares the twin of a stack's model with the Rust function over this many pairs of directions.
+///
+/// # Errors
+///
+/// Whatever stops the kernel from being built or run.
+pub fn compare_stack(gpu: &Gpu, stack: &Stack<f32, 3>, samples: usize) -> Result<Comparison, GpuError> {
+    let twin = stack_twin(stack.model());
+    let count = stack.layers().len();
+    let narrowest = table::narrowest(stack.layers());
+    let rows: Vec<Vec<f32>> = (0..samples as u64)
+        .map(|index| {
+            let [wi, wo] = Draw::new(index).pair(narrowest).map(Vector::cast::<f32>);
+            vec![0.0, count as f32, wi.x, wi.y, wi.z, wo.x, wo.y, wo.z]
+        })
+        .collect();
+    let outputs = map_twin(gpu, &twin, &rows, stack.layers())?;
+    fn direction<R: Real>(arguments: &[R], start: usize) -> Vector<R> {
+        Vector::new(arguments[start], arguments[start + 1], arguments[start + 2])
+    }
+    let (double, interval) = (stack.cast::<f64>(), stack.cast::<WgslInterval>());
+    let double = |a: &[f64]| double.evaluate(direction(a, 2), direction(a, 5)).to_vec();
+    let allowed = |a: &[WgslInterval]| interval.evaluate(direction(a, 2), direction(a, 5)).to_vec();
+    Ok(judge(&twin, &double, &allowed, &rows, &outputs))
 }
 
-fn run(gpu: &Gpu, twin: &Twin, rows: &[Vec<f32>]) -> Result<Outputs, GpuError> {
+/// The twin that evaluates stacks under a model.
+fn stack_twin(model: Model) -> Twin {
+    let all = twins();
+    let position = all.iter().position(|twin| twin.module == "layered" && twin.function == model.name());
+    all[position.unwrap_or_default()]
+}
+
+/// The results of a function on an adapter, and the names of its arguments and results.
+#[derive(Clone, Debug)]
+pub struct Outputs {
+    /// The names of the arguments, flat.
+    pub inputs: Vec<String>,
+    /// The names of the results of a row, flat.
+    pub names: Vec<String>,
+    /// The results, row by row.
+    pub values: Vec<f32>,
+}
+
+/// Maps a twin over rows of flat arguments on an adapter. `layers` are what the twins of stacks read.
+///
+/// # Errors
+///
+/// Whatever stops the kernel from being built or run, by name of the function.
+pub fn map_twin(gpu: &Gpu, twin: &Twin, rows: &[Vec<f32>], layers: &[Layer<f32, 3>]) -> Result<Outputs, GpuError> {
     let link_failure =
         |error: wgsl::LinkError| GpuError::Arguments { function: twin.function.to_owned(), reason: error.to_string() };
-    let (source, bindings) = twin_source(twin).map_err(link_failure)?;
+    let source = wgsl::link_function(twin.module, twin.function).map_err(link_failure)?;
+    let bindings = source.contains("stack_layer(").then_some(STACK_BINDINGS);
     let kernel = Kernel::new(gpu, &source, &wgsl::mangled(twin.module, twin.function), bindings)?;
     let leaves = kernel.signature().inputs();
-    let word = |(value, leaf): (&f32, &crate::shader::Leaf)| match leaf.scalar {
+    let word = |(value, leaf): (&f32, &Leaf)| match leaf.scalar {
         Scalar::F32 => value.to_bits(),
         Scalar::U32 | Scalar::Bool => *value as u32,
         Scalar::I32 => (*value as i32).cast_unsigned(),
     };
     let words: Vec<u32> = rows.iter().flat_map(|row| row.iter().zip(&leaves).map(word)).collect();
-    let storage = bindings.map(|_| layer_bytes(layers()));
+    let storage = bindings.map(|_| layer_bytes(layers));
     let values = kernel.run(&words, storage.as_deref())?.into_iter().map(f32::from_bits).collect();
-    let name = |leaf: crate::shader::Leaf| leaf.name;
+    let name = |leaf: Leaf| leaf.name;
     Ok(Outputs {
         inputs: leaves.into_iter().map(name).collect(),
         names: kernel.signature().outputs().into_iter().map(name).collect(),
@@ -115,7 +153,13 @@ fn run(gpu: &Gpu, twin: &Twin, rows: &[Vec<f32>]) -> Result<Outputs, GpuError> {
 }
 
 /// Compares an adapter's results with the Rust function.
-fn judge(twin: &Twin, rows: &[Vec<f32>], outputs: &Outputs) -> Comparison {
+fn judge(
+    twin: &Twin,
+    double: &dyn Fn(&[f64]) -> Vec<f64>,
+    allowed: &dyn Fn(&[WgslInterval]) -> Vec<WgslInterval>,
+    rows: &[Vec<f32>],
+    outputs: &Outputs,
+) -> Comparison {
     let mut errors = Errors::default();
     let mut result = Comparison {
         module: twin.module,
@@ -136,7 +180,7 @@ fn judge(twin: &Twin, rows: &[Vec<f32>], outputs: &Outputs) -> Comparison {
     for (row, got) in rows.iter().zip(outputs.values.chunks_exact(width)) {
         let exact: Vec<f64> = row.iter().map(|x| f64::from(*x)).collect();
         let points: Vec<WgslInterval> = row.iter().map(|x| WgslInterval::exactly(*x)).collect();
-        let (want, allowed) = ((twin.double)(&exact), (twin.allowed)(&points));
+        let (want, allowed) = (double(&exact), allowed(&points));
         let (want, allowed, got) = match twin.judge {
             Judge::Allowed => (want, allowed, got.iter().map(|g| f64::from(*g)).collect()),
             // The sum of the pair is exact but for products of two roundings, in the interval's second part.

@@ -131,14 +131,17 @@ fn half_and_widths(d: &mut Draw) -> Vec<f64> {
 /// A stack's first layer and length, and a pair of directions on the scale of its narrowest lobe.
 fn stack_and_pair(d: &mut Draw) -> Vec<f64> {
     let (first, count) = pick_stack(d);
-    let narrowest = layers()[first..first + count]
-        .iter()
-        .map(|layer| match layer.interface {
-            Interface::Microfacet { alpha, .. } => f64::from(alpha),
-            Interface::Diffuse { .. } => 1.0,
-        })
-        .fold(1.0, f64::min);
+    let narrowest = narrowest(&layers()[first..first + count]);
     flat![first as f64, count as f64, d.pair(narrowest)]
+}
+
+/// The width of the narrowest lobe of a stack, 1 where it has none.
+pub(super) fn narrowest(layers: &[Layer<f32, 3>]) -> f64 {
+    let width = |layer: &Layer<f32, 3>| match layer.interface {
+        Interface::Microfacet { alpha, .. } => f64::from(alpha),
+        Interface::Diffuse { .. } => 1.0,
+    };
+    layers.iter().map(width).fold(1.0, f64::min)
 }
 
 fn stack_channel_and_pair(d: &mut Draw) -> Vec<f64> {
@@ -193,17 +196,7 @@ fn stacks() -> &'static [(usize, usize)] {
 /// The layers of a stack over another number type.
 fn stack_of<R: Real>(first: R, count: R) -> Vec<Layer<R, 3>> {
     let (first, count) = (first.to_f64() as usize, count.to_f64() as usize);
-    let one = |x: f32| R::from_f64(f64::from(x));
-    let convert = |layer: &Layer<f32, 3>| {
-        let interface = match layer.interface {
-            Interface::Microfacet { n, k, alpha } => {
-                Interface::Microfacet { n: n.map(one), k: k.map(one), alpha: one(alpha) }
-            }
-            Interface::Diffuse { albedo, sigma } => Interface::Diffuse { albedo: albedo.map(one), sigma: one(sigma) },
-        };
-        Layer::new(interface).over(layer.medium.sigma.map(one), one(layer.medium.thickness))
-    };
-    layers()[first..first + count].iter().map(convert).collect()
+    layers()[first..first + count].iter().map(Layer::cast).collect()
 }
 
 /// The channel that an argument names.

@@ -1,12 +1,14 @@
 //! The command `brdf`.
 
+mod check;
+mod eval;
 mod failure;
 mod list;
+mod material;
 mod parity;
 mod term;
 
 use clap::{Parser, Subcommand};
-use failure::Failure;
 use std::process::ExitCode;
 
 /// Reflectance maths with GPU twins: evaluate terms and stacks, and judge their physical plausibility.
@@ -22,15 +24,20 @@ enum Command {
     /// List the terms, materials, models, metals and adapters.
     List(list::Options),
 
+    /// Evaluate terms and stacks: JSON Lines in, the same objects with the results out.
+    Eval(eval::Options),
+    /// Judge the physical plausibility of the built-in materials or of stack files.
+    Check(check::Options),
     /// Compare the WGSL twins with the Rust functions on every adapter.
     Parity(parity::Options),
 }
 
 fn main() -> ExitCode {
-    // Mesa's device-selection layer complains on machines without a desktop session.
     let result = match Arguments::parse().command {
         Command::List(options) => list::run(&options),
 
+        Command::Eval(options) => eval::run(&options),
+        Command::Check(options) => check::run(&options),
         Command::Parity(options) => parity::run(&options),
     };
     match result {
