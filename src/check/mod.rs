@@ -102,6 +102,7 @@ impl core::fmt::Debug for Options<'_> {
 pub fn check(subject: &dyn Subject, options: &Options<'_>) -> Report {
     let mut report = Report {
         subject: subject.name(),
+        channel_names: (0..subject.channels()).map(|channel| subject.channel_name(channel)).collect(),
         findings: Vec::new(),
         albedos: Vec::new(),
         coverage: Coverage { seed: options.seed, budget: options.budget, ..Coverage::default() },

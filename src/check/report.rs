@@ -112,6 +112,8 @@ pub struct Coverage {
 pub struct Report {
     /// The subject's name.
     pub subject: String,
+    /// The names of its channels.
+    pub channel_names: Vec<String>,
     /// One finding per check.
     pub findings: Vec<Finding>,
     /// The albedos that the energy findings rest on, by marginal, azimuth and polar angle.
@@ -125,6 +127,21 @@ impl Report {
     pub fn verdict(&self) -> Verdict {
         let binding = self.findings.iter().filter(|finding| finding.binding);
         binding.map(|finding| finding.verdict).max().unwrap_or(Verdict::Inconclusive)
+    }
+
+    /// Writes the albedos of one marginal, polar angles across and channels down, in the azimuth of the tangent.
+    fn write_albedos(&self, f: &mut Formatter<'_>, fixed: Fixed) -> fmt::Result {
+        let row: Vec<&Albedo> = self.albedos.iter().filter(|a| a.fixed == fixed && a.phi == 0.0).collect();
+        let Some(first) = row.first() else { return Ok(()) };
+        let title = format!("albedo [{} fixed]", fixed.name());
+        let angles: Vec<String> = row.iter().map(|a| format!("{:>8}", format!("{}°", a.theta))).collect();
+        writeln!(f, "  {title:24}{}", angles.concat())?;
+        for channel in 0..first.value.len() {
+            let name = self.channel_names.get(channel).map_or("", String::as_str);
+            let values: Vec<String> = row.iter().map(|a| format!("{:8.4}", a.value[channel])).collect();
+            writeln!(f, "  {name:>24}{}", values.concat())?;
+        }
+        Ok(())
     }
 
     /// The first finding of a check, if it was made.
@@ -218,6 +235,9 @@ impl Display for Report {
             line.push_str(&finding.note);
             writeln!(f, "{}", line.trim_end())?;
         }
+        for fixed in [Fixed::View, Fixed::Light] {
+            self.write_albedos(f, fixed)?;
+        }
         write!(f, "{}", self.coverage)
     }
 }
@@ -268,7 +288,13 @@ mod tests {
     fn advisory_findings_do_not_bind() {
         let findings =
             vec![finding(Check::Energy, Verdict::Pass, true), finding(Check::Reciprocity, Verdict::Fail, false)];
-        let mut report = Report { subject: "s".into(), findings, albedos: Vec::new(), coverage: Coverage::default() };
+        let mut report = Report {
+            subject: "s".into(),
+            channel_names: Vec::new(),
+            findings,
+            albedos: Vec::new(),
+            coverage: Coverage::default(),
+        };
         assert_eq!(report.verdict(), Verdict::Pass);
         assert!(report.to_string().contains("(FAIL)"), "{report}");
         report.findings.push(finding(Check::Sign, Verdict::Inconclusive, true));
