@@ -72,11 +72,12 @@ const GREEN_LINE: RGBColor = RGBColor(0, 158, 115);
 const PINK: RGBColor = RGBColor(204, 121, 167);
 
 fn fresnel_picture(metal: &metal::Metal, n: f64) -> Result<String, Box<dyn std::error::Error>> {
+    // Drawn at twice the size it is shown at: coordinates are whole numbers.
     let mut svg = String::new();
     {
-        let area = SVGBackend::with_string(&mut svg, (960, 420)).into_drawing_area();
+        let area = SVGBackend::with_string(&mut svg, (1920, 840)).into_drawing_area();
         area.fill(&WHITE)?;
-        let (left, right) = area.split_horizontally(480);
+        let (left, right) = area.split_horizontally(960);
         let eta = n;
         let f0 = fresnel::normal_incidence(eta, 0.0);
         draw(
@@ -127,10 +128,10 @@ fn draw(
     curves: Vec<Curve<'_>>,
 ) -> Result<(), Box<dyn std::error::Error>> {
     let mut chart = ChartBuilder::on(area)
-        .caption(title, ("sans-serif", 17))
-        .margin(12)
-        .x_label_area_size(38)
-        .y_label_area_size(46)
+        .caption(title, ("sans-serif", 34))
+        .margin(24)
+        .x_label_area_size(80)
+        .y_label_area_size(100)
         .build_cartesian_2d(0.0..90.0, range)?;
     chart
         .configure_mesh()
@@ -138,7 +139,8 @@ fn draw(
         .bold_line_style(BLACK.mix(0.12))
         .x_labels(10)
         .x_label_formatter(&|degrees| format!("{degrees:.0}°"))
-        .y_label_formatter(&|reflectance| format!("{reflectance:.1}"))
+        .y_label_formatter(&|reflectance| format!("{reflectance:.2}"))
+        .label_style(("sans-serif", 24))
         .x_desc("angle of incidence")
         .y_desc("reflectance F")
         .draw()?;
@@ -147,17 +149,19 @@ fn draw(
             let degrees = f64::from(i) * 0.25;
             (degrees, reflectance(degrees.to_radians().cos()))
         };
-        let style = colour.stroke_width(2);
+        let style = colour.stroke_width(4);
         chart
             .draw_series(LineSeries::new((0..=360).map(point), style))?
             .label(label)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 36, y)], style));
     }
     chart
         .configure_series_labels()
         .position(SeriesLabelPosition::UpperLeft)
+        .legend_area_size(48)
+        .margin(20)
         .background_style(WHITE.mix(0.85))
-        .label_font(("sans-serif", 13))
+        .label_font(("sans-serif", 26))
         .draw()?;
     Ok(())
 }
