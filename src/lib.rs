@@ -52,3 +52,8 @@ pub mod wgsl;
 
 pub use frame::{Frame, Vector, half_vector};
 pub use real::{Mask, Real};
+
+/// The examples of the README, as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct ReadmeExamples;
