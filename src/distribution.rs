@@ -28,7 +28,7 @@ pub fn beckmann<R: Real>(h: Vector<R>, alpha: R) -> R {
 ///
 /// In plain text: D = exp(−((hx/αx)² + (hy/αy)²)/hz²)/(π αx αy cos⁴θ). At αx = αy: [`beckmann`].
 ///
-/// Error in f32: as [`beckmann`]. Source: Heitz 2014, eq. 75.
+/// Error in f32: ≤ 4 + 4·x ULP for the exponent x. Source: Heitz 2014, eq. 75.
 #[inline]
 pub fn beckmann_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R {
     let (inside, z) = upper(h);
@@ -86,7 +86,7 @@ pub fn blinn<R: Real>(h: Vector<R>, alpha: R) -> R {
 ///
 /// In plain text: cos(θ)^e/(π αx αy), the exponent interpolated over the azimuth. At αx = αy: [`blinn`].
 ///
-/// Error in f32: as [`blinn`]. Source: Ashikhmin & Shirley 2000, eq. 6, without their 1/4 terms.
+/// Error in f32: ≤ 8 + 4·x ULP for the exponent x. Source: Ashikhmin & Shirley 2000, eq. 6, without their 1/4 terms.
 #[inline]
 pub fn blinn_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R {
     let (inside, z) = upper(h);

@@ -12,7 +12,7 @@ use crate::real::Real;
 ///
 /// In plain text: f = (n+2)/(2π)·max(0, R·V)ⁿ with R = L mirrored about the normal. `exponent` n ≥ 0.
 ///
-/// Error in f32: ≤ 8 + 8·|ln (R·V)ⁿ| ULP. Source: Phong 1975; Lafortune & Willems 1994, eq. 7; Mihaylov 2013, §3.1.
+/// Error in f32: ≤ 8 + 4·n·(1/R·V − 1) ULP. Source: Phong 1975; Lafortune & Willems 1994, eq. 7; Mihaylov 2013, §3.1.
 #[inline]
 pub fn phong<R: Real>(wi: Vector<R>, wo: Vector<R>, exponent: R) -> R {
     // 1 − R·V = |R−V|²/2 with R = (−x, −y, z).
