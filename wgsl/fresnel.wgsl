@@ -21,7 +21,11 @@ fn dielectric(cos_i: f32, eta: f32) -> Fresnel {
     let root_p = eta_squared * c + g;
     let sum_p = select(root_p * root_p, 1.0, matched);
     let rs = one / sum_s;
-    let rp = one * (eta_squared * c * c - (1.0 - c) * (1.0 + c)) / sum_p;
+    // (eta²c-g)(eta²c+g), which vanishes at Brewster's angle: for small eta that is close to the critical angle, where
+    // sum_p is small, while F is far from 0 and the difference itself exact enough.
+    let product = one * (eta_squared * c * c - (1.0 - c) * (1.0 + c));
+    let difference = (eta_squared * c - g) * (eta_squared * c + g);
+    let rp = select(product, difference, eta < 0.7) / sum_p;
     let transmittance = 2.0 * c * g * (1.0 / sum_s + eta_squared / sum_p);
     return Fresnel(
         select(0.5 * (rs * rs + rp * rp), 1.0, total),
@@ -76,7 +80,9 @@ fn conductor_approx(cos_i: f32, n: f32, k: f32) -> f32 {
     let k_squared = k * k;
     let kc_squared = k_squared * c * c;
     let s = ((n - c) * (n - c) + k_squared) / ((n + c) * (n + c) + k_squared);
-    let p = ((n * c - 1.0) * (n * c - 1.0) + kc_squared) / ((n * c + 1.0) * (n * c + 1.0) + kc_squared);
+    // nc-1 without the rounding of nc: what is left to cancel is small beside s.
+    let difference = (n - 1.0) * c - (1.0 - c);
+    let p = (difference * difference + kc_squared) / ((n * c + 1.0) * (n * c + 1.0) + kc_squared);
     return 0.5 * (s + p);
 }
 
