@@ -295,14 +295,15 @@ proptest! {
 
     #[test]
     fn normal_and_grazing_incidence_have_their_closed_forms((n, k) in index(), eta in eta(), f0 in scaled(0, 1000, 1000)) {
-        // The documented ULP of the two sides: 13 + .5 and 5.
+        // The documented ULP of the two sides: 13 + .5·x and 5, with x the conditioning of a small index.
         let f = fresnel::conductor(1.0, n, k).reflectance;
-        prop_assert!(close(f, fresnel::normal_incidence(n, k), 19.0), "{} {}", f, fresnel::normal_incidence(n, k));
+        let x = 0.5 * conditioning(1.0, n, k);
+        prop_assert!(close(f, fresnel::normal_incidence(n, k), 18.0 + x), "{} {}", f, fresnel::normal_incidence(n, k));
         prop_assert!(close(fresnel::dielectric(1.0, eta).reflectance, fresnel::normal_incidence(eta, 0.0), 18.0));
         // The approximations are exact there: 6, 9, 8 and 7 ULP.
-        prop_assert!(close(fresnel::conductor_approx(1.0, n, k), f, 20.0));
-        prop_assert!(close(fresnel::lazanyi_uncorrected(1.0, n, k), f, 22.0));
-        prop_assert!(close(fresnel::lazanyi(1.0, n, k, 1.7, 6.0), f, 22.0));
+        prop_assert!(close(fresnel::conductor_approx(1.0, n, k), f, 19.0 + x));
+        prop_assert!(close(fresnel::lazanyi_uncorrected(1.0, n, k), f, 22.0 + x));
+        prop_assert!(close(fresnel::lazanyi(1.0, n, k, 1.7, 6.0), f, 22.0 + x));
         prop_assert_eq!(fresnel::schlick(1.0, f0).reflectance, f0);
         prop_assert_eq!(fresnel::f82_tint(1.0, f0, 0.5), f0);
         if eta != 1.0 {
