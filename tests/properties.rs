@@ -190,6 +190,17 @@ proptest! {
     }
 
     #[test]
+    fn the_half_cosine_is_a_cosine(wi in upper(), wo in upper()) {
+        // Directions normalised in f32 are longer than 1 as often as shorter, by a few ε.
+        let long = wi.cast::<f32>() * (1.0 + 4.0 * f32::EPSILON);
+        prop_assert!(microfacet::cos_half(long, wo.cast()) <= 1.0);
+        prop_assert!(microfacet::cos_half(long, long) <= 1.0);
+        let dot = (0.5 + 0.5 * wi.dot(wo)).max(0.0).sqrt();
+        // √((1+wi·wo)/2), whose radicand cancels to 2ε where the directions are opposite.
+        prop_assert!((microfacet::cos_half(wi, wo).powi(2) - dot * dot).abs() <= 4.0 * EPS);
+    }
+
+    #[test]
     fn stacks_are_finite_and_not_negative(layers in layers(), model in model(), wi in upper(), wo in upper()) {
         let stack = stack(model, layers);
         for f in stack.evaluate(wi, wo) {
@@ -218,6 +229,8 @@ proptest! {
             prop_assert_eq!(single.evaluate(wi.cast::<f32>(), wo.cast::<f32>()), [0.0; 3]);
             prop_assert_eq!(masking::v_cavity(wi.z, wo.z, wi + wo), masking::Masking { g: 0.0, visibility: 0.0 });
             prop_assert_eq!(masking::kelemen(wi.z, wo.z, wi + wo), masking::Masking { g: 0.0, visibility: 0.0 });
+            prop_assert_eq!(microfacet::facets(wi, wo, alpha), microfacet::Facets { lobe: 0.0, d: 0.0, g: 0.0 });
+            prop_assert_eq!(microfacet::facets::<f32>(wi.cast(), wo.cast(), alpha as f32), Default::default());
         }
         let d = distribution::gaussian_normalisation(alpha);
         let distributions = [
@@ -394,11 +407,14 @@ fn converged(ax: f64, ay: f64, n: u32, f: impl Fn(Vector<f64>) -> f64) -> (f64, 
     (fine + (fine - coarse) / 3.0, (fine - coarse).abs())
 }
 
+/// A distribution of one width or pair of widths.
+type Distribution<'a> = &'a dyn Fn(Vector<f64>) -> f64;
+
 #[test]
 fn distributions_are_normalised() {
     for ax in [1e-4, 1e-3, 0.01, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0] {
         let c = distribution::gaussian_normalisation(ax);
-        let isotropic: [(&str, &dyn Fn(Vector<f64>) -> f64); 4] = [
+        let isotropic: [(&str, Distribution<'_>); 4] = [
             ("beckmann", &|h| distribution::beckmann(h, ax)),
             ("ggx", &|h| distribution::ggx(h, ax)),
             ("blinn", &|h| distribution::blinn(h, ax)),
@@ -411,7 +427,7 @@ fn distributions_are_normalised() {
         }
         for ratio in [0.2, 0.5, 0.9] {
             let ay = ax * ratio;
-            let anisotropic: [(&str, &dyn Fn(Vector<f64>) -> f64); 3] = [
+            let anisotropic: [(&str, Distribution<'_>); 3] = [
                 ("beckmann", &|h| distribution::beckmann_anisotropic(h, ax, ay)),
                 ("ggx", &|h| distribution::ggx_anisotropic(h, ax, ay)),
                 ("blinn", &|h| distribution::blinn_anisotropic(h, ax, ay)),
@@ -429,9 +445,9 @@ fn distributions_are_normalised() {
 fn smith_masking_passes_the_weak_white_furnace() {
     // ∫ G1(wo)·max(0, wo·h)·D(h)/cos_o dωh = 1: of the light that visible microfacets reflect, none is lost (Heitz 2014,
     // eq. 11 and 116 with G1 in place of G2).
-    type Distribution = fn(Vector<f64>, f64, f64) -> f64;
+    type Widths = fn(Vector<f64>, f64, f64) -> f64;
     type Smith = fn(Vector<f64>, Vector<f64>, f64, f64) -> masking::Masking<f64>;
-    let pairs: [(&str, Distribution, Smith, Smith); 2] = [
+    let pairs: [(&str, Widths, Smith, Smith); 2] = [
         ("ggx", distribution::ggx_anisotropic, masking::smith_ggx, masking::smith_ggx_separable),
         ("beckmann", distribution::beckmann_anisotropic, masking::smith_beckmann, masking::smith_beckmann_separable),
     ];
@@ -496,6 +512,16 @@ proptest! {
     }
 
     #[test]
+    fn v_cavity_is_the_printed_minimum(wi in upper(), wo in upper()) {
+        let h = half_vector(wi, wo).normalized();
+        let (nh, vh) = (h.z, wo.dot(h));
+        let printed = (2.0 * nh * wi.z / vh).min(2.0 * nh * wo.z / vh).min(1.0);
+        let g = masking::v_cavity(wi.z, wo.z, half_vector(wi, wo)).g;
+        // The printed form takes V·H = (1 + wi·wo)/|h|, of directions that are unit to ε: 8ε/(V·H)².
+        prop_assert!((g - printed).abs() <= 16.0 * EPS * g * (1.0 + 1.0 / (vh * vh)), "{} {}", g, printed);
+    }
+
+    #[test]
     fn masking_falls_with_width(wi in upper(), wo in upper(), alpha in alpha()) {
         // 1 of the same terms at a larger width; monotone but for the documented 7 ULP.
         for smith in [masking::smith_ggx, masking::smith_beckmann] {
@@ -520,9 +546,9 @@ fn albedo_about_half(wo: Vector<f64>, width: f64, f: impl Fn(Vector<f64>) -> f64
 
 #[test]
 fn single_interfaces_gain_no_energy() {
-    for cos in [1.0, 0.9, 0.7, 0.5, 0.3, 0.1, 0.02] {
+    for cos in [1.0, 0.8, 0.5, 0.2, 0.02] {
         let wo = direction(cos, 0.3);
-        for alpha in [1e-3, 0.01, 0.05, 0.1, 0.3, 0.5, 1.0] {
+        for alpha in [1e-3, 0.05, 0.3, 0.5, 1.0] {
             let check = |name: &str, f: &dyn Fn(Vector<f64>) -> f64, limit: f64| {
                 let (albedo, error) = albedo_about_half(wo, alpha, f);
                 // The integrand has kinks, where the quadrature is of first order: its own difference, doubled.
@@ -531,9 +557,15 @@ fn single_interfaces_gain_no_energy() {
                 albedo
             };
             let mirror = check("facets", &|wi| microfacet::facets(wi, wo, alpha).lobe, 1.0);
-            if alpha <= 0.01 && cos >= 0.3 {
+            if alpha <= 0.01 && cos >= 0.2 {
                 // A narrow lobe above the horizon loses nothing: 1 to the quadrature, and it is no vacuous bound.
                 assert!(mirror > 0.98, "α {alpha}, cos {cos}: {mirror}");
+            }
+            if cos == 1.0
+                && let Some((_, known)) = [(0.3, 0.996), (0.5, 0.892), (1.0, 0.453)].iter().find(|(a, _)| *a == alpha)
+            {
+                // FORMULAS.md, §2, to its three digits.
+                assert!((mirror - known).abs() < 6e-4, "α {alpha}: {mirror}, known {known}");
             }
             for (n, k) in [(1.5, 0.0), (0.2, 4.0), (3.0, 0.5)] {
                 let stack = stack(Model::Conserving, vec![Layer::new(Interface::conductor([n; 3], [k; 3], alpha))]);
@@ -764,7 +796,9 @@ fn call_everything<R: Real>(x: [f64; 8]) {
     let _ = (microfacet::torrance_sparrow(u, v, g, h, a), microfacet::cos_half(u, v), microfacet::facets(u, v, g));
     let _ = (layered::internal_reflection(a, b), material::patina::patina_extent(a, b, c));
     let _ = (Frame::from_normal(u), Frame::from_normal_and_tangent(u, v), Frame::from_normal(u).to_local(v));
-    let _ = (u.normalized(), u.cross(v), half_vector(u, v), Vector::<R>::from_angles(x[0], x[1]));
+    let _ = (u.normalized(), u.cross(v), half_vector(u, v));
+    #[cfg(feature = "std")]
+    let _ = Vector::<R>::from_angles(x[0], x[1]);
     let _ =
         (a.ln_one_plus(), a.angle(b), a.erfcx(), a.exp_product(b), a.saturate(), a.product_exact(b), a.sum_exact(b));
     // Past the constructor too.
