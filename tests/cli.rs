@@ -99,7 +99,11 @@ fn bad_stack_files_are_refused_with_file_line_and_key() {
             "line 4, layer[0].interface.conductor.k: -1 is not allowed, it must be 0 or greater",
         ),
         ("nan.toml", layer("{ dielectric = { n = nan }, alpha = 0.1 }"), "it must be finite"),
-        ("key.toml", layer("{ dielectric = { n = 1.5 }, alhpa = 0.1 }"), "unknown key, allowed: `dielectric`, `conductor`, `diffuse`, `alpha`"),
+        (
+            "key.toml",
+            layer("{ dielectric = { n = 1.5 }, alhpa = 0.1 }"),
+            "unknown key, allowed: `dielectric`, `conductor`, `diffuse`, `alpha`",
+        ),
         ("metal.toml", layer("{ conductor = { metal = \"mithril\" }, alpha = 0.1 }"), "copper"),
         ("empty.toml", String::new(), "layer"),
         ("model.toml", "model = \"phong\"\n".to_owned(), "line 1, model"),

@@ -56,6 +56,7 @@ fn rounded_get<R: Real>(row: &Value, key: &str) -> R {
 }
 
 /// Compares `double` with the reference `want`, and `single` with `oracle`, the f64 value at the f32 inputs.
+#[expect(clippy::too_many_arguments, reason = "two precisions, each with its reference")]
 fn compare(section: &Section, row: &Value, what: &str, double: f64, want: f64, single: f32, oracle: f64, bound: f64) {
     let scale = want.abs().max(1e-25);
     assert!((double - want).abs() <= DOUBLE * scale, "{} {what}: {double:e}, want {want:e}\n{row}", section.name);
