@@ -129,7 +129,7 @@ pub trait Real:
     ///
     /// `s.angle(c)` is asin(s) and acos(c) at once, accurate at both ends. 0 where both sides are 0.
     fn angle(self, adjacent: Self) -> Self;
-    /// The scaled complementary error function exp(x²)·erfc(x), x ≥ 0. 1 at 0, falls to 1/(x√π). Error in f32: ≤ 6 ULP.
+    /// The scaled complementary error function exp(x²)·erfc(x), x ≥ 0. 1 at 0, falls to 1/(x√π). Error in f32: ≤ 7 ULP.
     fn erfcx(self) -> Self;
     /// exp(−a·b), with the rounding error of the product a·b carried into the result; a, b ≥ 0.
     /// 0 where a·b > [`Real::EXP_LIMIT`].

@@ -13,7 +13,7 @@ use crate::real::Real;
 ///
 /// In plain text: cos_t = √(η²−1+cos_i²)/η. `cos_i` in [0, 1], `eta` = n_t/n_i > 0. At η = 1: cos_i.
 ///
-/// Error in f32: ≤ 2.5 ULP for η in [1/4, 4], the critical angle included. Source: Snell; Mihaylov 2013, eq. 3.3.
+/// Error in f32: ≤ 3 ULP for η in [1/4, 4], the critical angle included. Source: Snell; Mihaylov 2013, eq. 3.3.
 #[inline]
 pub fn cos_t<R: Real>(cos_i: R, eta: R) -> R {
     refracted_square(cos_i, eta).max(R::ZERO).sqrt() / eta
@@ -24,7 +24,7 @@ pub fn cos_t<R: Real>(cos_i: R, eta: R) -> R {
 /// In plain text: (x/η, y/η, cos_t). `w` is a local unit vector with `w.z` ≥ 0, `eta` = n_t/n_i > 0. On total
 /// reflection, and from a direction at or below the horizon that has no refracted ray, `z` is 0: nothing is transmitted.
 ///
-/// Error in f32: x, y ≤ 1 ULP, z ≤ 2.5 ULP. Source: Snell; Elek 2010, Algorithm 1, lines 7–8, which print
+/// Error in f32: x, y ≤ 1 ULP, z ≤ 3 ULP. Source: Snell; Elek 2010, Algorithm 1, lines 7–8, which print
 /// −refract(L, N, 1/n); that flips the tangential part (erratum 9).
 #[inline]
 pub fn refract<R: Real>(w: Vector<R>, eta: R) -> Vector<R> {

@@ -10,8 +10,12 @@ use brdf::{Real, Vector};
 use brdf::{absorption, diffuse, distribution, fresnel, layered, masking, microfacet, phong, refraction};
 use std::f64::consts::PI;
 
-/// Samples a term, plus its corners.
-const SAMPLES: u32 = 100_000;
+/// Inputs drawn for a term, unless `PRECISION_SAMPLES` says otherwise. The maximum over a sample is only a lower bound of
+/// the error: the documented bounds come from 40 million points of each of two sequences and a margin
+/// (`PRECISION_SAMPLES=40000000`, with `--release`, four minutes).
+const SAMPLES: u32 = 250_000;
+/// How many of them at least must lie in the term's domain and so be measured.
+const MEASURED: u32 = 100_000;
 
 // ------------------------------------------------------------------------------------------------------- documentation
 
@@ -95,7 +99,7 @@ struct Meter {
     /// The largest error where the exponent is at most 1, and the largest growth per unit of it beyond 2.
     constant: f64,
     slope: f64,
-    /// The largest relative error in units of 2⁻²³, at most the error in ULP and at least half of it.
+    /// The largest relative error of a normal number in units of 2⁻²³, which is between half an ULP and one.
     relative: f64,
     /// The largest excess of the error over the bound.
     excess: f64,
@@ -125,7 +129,9 @@ impl Meter {
         let error = (f64::from(got) - want).abs() / ulp(scale);
         assert!(error.is_finite(), "{}: {got:e}, want {want:e} at {input:?}", self.name);
         self.samples += 1;
-        self.relative = self.relative.max(error * ulp(scale) / scale.abs().max(1e-44) / f64::from(f32::EPSILON));
+        if scale.abs() >= f64::from(f32::MIN_POSITIVE) {
+            self.relative = self.relative.max(error * ulp(scale) / scale.abs() / f64::from(f32::EPSILON));
+        }
         if exponent <= 1.0 {
             self.constant = self.constant.max(error);
         } else if exponent >= 2.0 {
@@ -136,19 +142,21 @@ impl Meter {
             (self.worst, self.at) = (error, format!("{input:?} = {want:.6e}"));
         }
     }
+}
 
-    /// Prints the row of the table and asserts the bound.
-    fn finish(self) {
-        let Meter { name, samples, worst, bound, .. } = &self;
-        let b = if bound.slope > 0.0 {
-            format!("{}+{}x (measured {:.2}, {:.2}x)", bound.constant, bound.slope, self.constant, self.slope)
+/// Prints the rows of the table, then asserts every bound.
+fn report<const N: usize>(meters: [Meter; N]) {
+    for Meter { name, samples, worst, relative, bound, constant, slope, at, .. } in &meters {
+        let bound = if bound.slope > 0.0 {
+            format!("{}+{}x (measured {constant:.2}, {slope:.2}x)", bound.constant, bound.slope)
         } else {
             format!("{}", bound.constant)
         };
-        println!("{name:44} {samples:7} {worst:10.2} {:9.2}ε  ≤ {b:34} {}", self.relative, self.at);
-        assert!(*samples >= SAMPLES, "{name}: {samples} samples");
-        let excess = self.excess;
-        assert!(excess <= 0.0, "{name}: {excess} ULP above its documented bound, worst {worst} at {}", self.at);
+        println!("{name:44} {samples:8} {worst:10.2} {relative:9.2}ε  ≤ {bound:34} {at}");
+    }
+    for Meter { name, samples, worst, at, excess, .. } in &meters {
+        assert!(*samples >= MEASURED, "{name}: only {samples} samples in the domain");
+        assert!(*excess <= 0.0, "{name}: {excess} ULP above its documented bound, worst {worst} at {at}");
     }
 }
 
@@ -167,7 +175,8 @@ fn point(index: u32) -> [f64; 6] {
 
 /// All points of the sequence.
 fn points() -> impl Iterator<Item = [f64; 6]> {
-    (0..SAMPLES).map(point)
+    let samples = std::env::var("PRECISION_SAMPLES").map_or(SAMPLES, |text| text.parse().expect("a number of samples"));
+    (0..samples).map(point)
 }
 
 /// From `low` to `high`, uniform in the logarithm.
@@ -293,7 +302,7 @@ fn fresnel_dielectric() {
         g.add(if want < 0.0 { 0.0 } else { got }, want.max(0.0), &[c, eta]);
         cos.add(refraction::cos_t(c, eta), refraction::cos_t(c64, eta64), &[c, eta]);
     }
-    [f, t, g, cos].into_iter().for_each(Meter::finish);
+    report([f, t, g, cos]);
 }
 
 #[test]
@@ -310,14 +319,19 @@ fn fresnel_conductor() {
         let [c64, n64, k64] = input.map(f64::from);
         let (got, want) = (fresnel::conductor(c, n, k), fresnel::conductor(c64, n64, k64));
         let x = critical(c64, n64, k64);
-        f.add_at(got.reflectance, want.reflectance, want.reflectance, x, &input);
-        t.add_at(got.transmittance, want.transmittance, want.transmittance, x, &input);
+        if x <= CRITICAL_LIMIT {
+            f.add_at(got.reflectance, want.reflectance, want.reflectance, x, &input);
+            t.add_at(got.transmittance, want.transmittance, want.transmittance, x, &input);
+        }
         approx.add(fresnel::conductor_approx(c, n, k), fresnel::conductor_approx(c64, n64, k64), &input);
         normal.add(fresnel::normal_incidence(n, k), fresnel::normal_incidence(n64, k64), &input);
         lazanyi.add(fresnel::lazanyi_uncorrected(c, n, k), fresnel::lazanyi_uncorrected(c64, n64, k64), &input);
     }
-    [f, t, approx, normal, lazanyi].into_iter().for_each(Meter::finish);
+    report([f, t, approx, normal, lazanyi]);
 }
+
+/// The largest [`critical`] for which the conductor states an error: beyond, the sign of a² is lost to rounding.
+const CRITICAL_LIMIT: f64 = 1e5;
 
 /// c²/|(n+iκ)²−s²|: at most 1 but near the critical angle of κ ≈ 0, n < 1.
 fn critical(c: f64, n: f64, k: f64) -> f64 {
@@ -358,7 +372,7 @@ fn fresnel_schlick() {
         let got = fresnel::lazanyi(c, n, k, a, e);
         lazanyi.add_at(got, fresnel::lazanyi(c64, n64, k64, a64, e64), scale, x, &[c, n, k, a, e]);
     }
-    [f, t, f_indices, t_indices, f82, lazanyi].into_iter().for_each(Meter::finish);
+    report([f, t, f_indices, t_indices, f82, lazanyi]);
 }
 
 // ------------------------------------------------------------------------------------------------------- distributions
@@ -368,7 +382,6 @@ fn add_exponential(meter: &mut Meter, got: f32, want: f64, exponent: f64, input:
     let limit = f64::from(f32::EXP_LIMIT);
     if exponent > limit * (1.0 - 1e-5) {
         assert!(exponent < limit * (1.0 + 1e-5) || got == 0.0, "{}: {got:e} beyond the limit {input:?}", meter.name);
-        meter.samples += 1;
         return;
     }
     meter.add_at(got, want, want, exponent, input);
@@ -403,7 +416,7 @@ fn distributions() {
         let want = distribution::gaussian(h64, alpha64, f64::from(c));
         add_exponential(&mut gaussian, distribution::gaussian(h, alpha, c), want, x, &input);
     }
-    [beckmann, ggx, blinn, gaussian].into_iter().for_each(Meter::finish);
+    report([beckmann, ggx, blinn, gaussian]);
 }
 
 #[test]
@@ -427,11 +440,9 @@ fn distributions_anisotropic() {
         let want = distribution::blinn_anisotropic(h64, ax64, ay64);
         if x - log < 86.9 {
             blinn.add_at(distribution::blinn_anisotropic(h, ax, ay), want, want, x, &input);
-        } else {
-            blinn.samples += 1;
         }
     }
-    [beckmann, ggx, blinn].into_iter().for_each(Meter::finish);
+    report([beckmann, ggx, blinn]);
 }
 
 // -------------------------------------------------------------------------------------------------------------- masking
@@ -459,7 +470,7 @@ fn masking_smith() {
             g.add(got.g, want.g, &input);
             v.add(got.visibility, want.visibility, &input);
         }
-        [g, v].into_iter().for_each(Meter::finish);
+        report([g, v]);
     }
 }
 
@@ -493,7 +504,7 @@ fn masking_of_one_direction_and_of_half_vectors() {
         kelemen_v.add(got.visibility, want.visibility, &input);
         cos.add(microfacet::cos_half(wi, wo), microfacet::cos_half(wi64, wo64), &input);
     }
-    [ggx, beckmann, cavity_g, cavity_v, kelemen_g, kelemen_v, cos].into_iter().for_each(Meter::finish);
+    report([ggx, beckmann, cavity_g, cavity_v, kelemen_g, kelemen_v, cos]);
 }
 
 // -------------------------------------------------------------------------------------------------------------- diffuse
@@ -518,15 +529,13 @@ fn diffuse_terms() {
         direct.add_at(got.direct, want.direct, want.direct.abs().max(1.0), 0.0, &input);
         if wi.z.min(wo.z) > 0.01746 {
             near.add_at(got.direct, want.direct, want.direct.abs().max(1.0), 0.0, &input);
-        } else {
-            near.samples += 1;
         }
         second.add_at(got.interreflection, want.interreflection, want.interreflection.abs().max(0.1), 0.0, &input);
         let want = diffuse::oren_nayar_qualitative(wi64, wo64, sigma64, albedo64);
         let x = 1.0 / wi64.z.max(wo64.z);
         qualitative.add_at(diffuse::oren_nayar_qualitative(wi, wo, sigma, albedo), want, want, x, &input);
     }
-    [lambert, direct, near, second, qualitative].into_iter().for_each(Meter::finish);
+    report([lambert, direct, near, second, qualitative]);
 }
 
 /// A direction whose azimuth is close to that of `upper(p[0], p[1])` or opposite to it.
@@ -550,7 +559,7 @@ fn refraction_of_directions() {
         across.add(got.y, want.y, &input);
         along.add(got.z, want.z, &input);
     }
-    [across, along].into_iter().for_each(Meter::finish);
+    report([across, along]);
 }
 
 #[test]
@@ -569,7 +578,7 @@ fn absorption_and_internal_reflection() {
         let want = layered::internal_reflection(f64::from(t), f64::from(g));
         internal.add(layered::internal_reflection(t, g), want, &[t, g]);
     }
-    [transmittance, internal].into_iter().for_each(Meter::finish);
+    report([transmittance, internal]);
 }
 
 // ---------------------------------------------------------------------------------------------------- lobes and BRDFs
@@ -593,15 +602,15 @@ fn phong_lobes() {
         if argument < 86.9 && x.is_finite() {
             phong.add_at(got, want, want, x, &input);
         } else {
+            // Left out: the lobe is as good as 0, or flat with R·V at its edge.
             assert!(want < 1e-30 || exponent < 5.0);
-            phong.samples += 1;
         }
         let h = wi64 + wo64;
         let x = 0.5 * e64 * (h.sin_squared() / (h.z * h.z)).ln_1p();
         let want = phong::blinn_phong(wi64, wo64, e64);
         add_exponential(&mut blinn, phong::blinn_phong(wi, wo, exponent), want, x, &input);
     }
-    [phong, blinn].into_iter().for_each(Meter::finish);
+    report([phong, blinn]);
 }
 
 #[test]
@@ -623,13 +632,11 @@ fn torrance_sparrow() {
         add_exponential(&mut lobe, got.lobe, want.lobe, x, &input);
         let want = microfacet::torrance_sparrow(wi64, wo64, f64::from(n), f64::from(k), a64);
         let got = microfacet::torrance_sparrow(wi, wo, n, k, alpha).f;
-        if x < 86.9 {
+        if x < 86.9 && x_fresnel <= CRITICAL_LIMIT {
             f.add_at(got, want.f, want.f, x + x_fresnel, &input);
-        } else {
-            f.samples += 1;
         }
     }
-    [f, lobe].into_iter().for_each(Meter::finish);
+    report([f, lobe]);
 }
 
 // ------------------------------------------------------------------------------------------------ elementary functions
@@ -646,5 +653,5 @@ fn elementary_functions() {
         let want = f64::from(a).exp_product(f64::from(b));
         add_exponential(&mut exp_product, a.exp_product(b), want, exponent, &[a, b]);
     }
-    [erfcx, exp_product].into_iter().for_each(Meter::finish);
+    report([erfcx, exp_product]);
 }

@@ -269,20 +269,22 @@ proptest! {
             prop_assert!(transmittance >= 0.0 && transmittance <= 1.0 + slack, "{} {:?}", what, fresnel);
             Ok(())
         };
-        split("dielectric", fresnel::dielectric(c, eta), 18.0)?;
-        split("conductor", fresnel::conductor(c, n, k), 22.0 + 2.5 * conditioning(c, n, k))?;
-        split("schlick", fresnel::schlick(c, f0), 12.0)?;
-        split("schlick_from_indices", fresnel::schlick_from_indices(c, n, eta), 12.0)?;
+        split("dielectric", fresnel::dielectric(c, eta), 25.0)?;
+        let x = conditioning(c, n, k);
+        // Beyond the documented range of x the two parts share their error.
+        split("conductor", fresnel::conductor(c, n, k), 28.0 + 4.0 * x)?;
+        split("schlick", fresnel::schlick(c, f0), 15.0)?;
+        split("schlick_from_indices", fresnel::schlick_from_indices(c, n, eta), 16.0)?;
     }
 
     #[test]
     fn a_conductor_without_extinction_is_a_dielectric(c in cosine(), eta in eta()) {
         let (conductor, dielectric) = (fresnel::conductor(c, eta, 0.0), fresnel::dielectric(c, eta));
         let x = conditioning(c, eta, 0.0);
-        // The documented ULP of both, each at most 1 ε; at x > 1e6 the conductor has lost half of its digits.
-        if x < 1e6 {
-            prop_assert!(close(conductor.reflectance, dielectric.reflectance, 26.0 + 0.5 * x));
-            prop_assert!(close(conductor.transmittance, dielectric.transmittance, 14.0 + 2.0 * x));
+        // The documented ULP of both, each at most 1 ε; the conductor's hold for x ≤ 1e5.
+        if x <= 1e5 {
+            prop_assert!(close(conductor.reflectance, dielectric.reflectance, 35.0 + x));
+            prop_assert!(close(conductor.transmittance, dielectric.transmittance, 18.0 + 3.0 * x));
         }
     }
 
@@ -308,27 +310,27 @@ proptest! {
 
     #[test]
     fn normal_and_grazing_incidence_have_their_closed_forms((n, k) in index(), eta in eta(), f0 in scaled(0, 1000, 1000)) {
-        // The documented ULP of the two sides: 13 + .5·x and 5, with x the conditioning of a small index.
+        // The documented ULP of the two sides: 17 + x and 7, with x the conditioning of a small index.
         let f = fresnel::conductor(1.0, n, k).reflectance;
-        let x = 0.5 * conditioning(1.0, n, k);
-        prop_assert!(close(f, fresnel::normal_incidence(n, k), 18.0 + x), "{} {}", f, fresnel::normal_incidence(n, k));
-        prop_assert!(close(fresnel::dielectric(1.0, eta).reflectance, fresnel::normal_incidence(eta, 0.0), 18.0));
-        // The approximations are exact there: 6, 9, 8 and 7 ULP.
-        prop_assert!(close(fresnel::conductor_approx(1.0, n, k), f, 19.0 + x));
-        prop_assert!(close(fresnel::lazanyi_uncorrected(1.0, n, k), f, 22.0 + x));
-        prop_assert!(close(fresnel::lazanyi(1.0, n, k, 1.7, 6.0), f, 22.0 + x));
+        let x = conditioning(1.0, n, k);
+        prop_assert!(close(f, fresnel::normal_incidence(n, k), 24.0 + x), "{} {}", f, fresnel::normal_incidence(n, k));
+        prop_assert!(close(fresnel::dielectric(1.0, eta).reflectance, fresnel::normal_incidence(eta, 0.0), 25.0));
+        // The approximations are exact there: 8, 13, 13 ULP and the conductor's 17 + x.
+        prop_assert!(close(fresnel::conductor_approx(1.0, n, k), f, 25.0 + x));
+        prop_assert!(close(fresnel::lazanyi_uncorrected(1.0, n, k), f, 30.0 + x));
+        prop_assert!(close(fresnel::lazanyi(1.0, n, k, 1.7, 6.0), f, 30.0 + x));
         prop_assert_eq!(fresnel::schlick(1.0, f0).reflectance, f0);
         prop_assert_eq!(fresnel::f82_tint(1.0, f0, 0.5), f0);
         if eta != 1.0 {
-            prop_assert!(close(fresnel::dielectric(0.0, eta).reflectance, 1.0, 13.0));
+            prop_assert!(close(fresnel::dielectric(0.0, eta).reflectance, 1.0, 18.0));
             prop_assert_eq!(fresnel::dielectric(0.0, eta).transmittance, 0.0);
         }
         if n != 1.0 || k > 0.0 {
-            prop_assert!(close(fresnel::conductor(0.0, n, k).reflectance, 1.0, 13.0));
+            prop_assert!(close(fresnel::conductor(0.0, n, k).reflectance, 1.0, 17.0));
             prop_assert_eq!(fresnel::conductor(0.0, n, k).transmittance, 0.0);
         }
-        prop_assert!(close(fresnel::conductor_approx(0.0, n, k), 1.0, 6.0));
-        prop_assert!(close(fresnel::lazanyi_uncorrected(0.0, n, k), 1.0, 9.0));
+        prop_assert!(close(fresnel::conductor_approx(0.0, n, k), 1.0, 8.0));
+        prop_assert!(close(fresnel::lazanyi_uncorrected(0.0, n, k), 1.0, 13.0));
         prop_assert!(close(fresnel::schlick(0.0, f0).reflectance, 1.0, 1.0));
     }
 
@@ -340,7 +342,7 @@ proptest! {
         prop_assert_eq!(fresnel::dielectric(below, eta), fresnel::Fresnel { reflectance: 1.0, transmittance: 0.0 });
         prop_assert_eq!(refraction::cos_t(below, eta), 0.0);
         // The conductor keeps F = 1: its root b is real and what a loses is not seen.
-        prop_assert!(close(fresnel::conductor(below, eta, 0.0).reflectance, 1.0, 13.0));
+        prop_assert!(close(fresnel::conductor(below, eta, 0.0).reflectance, 1.0, 17.0));
         prop_assert!(fresnel::dielectric(above, eta).reflectance < 1.0);
         prop_assert!(fresnel::dielectric(above, eta).transmittance > 0.0);
         prop_assert!(refraction::cos_t(above, eta) > 0.0);
@@ -348,11 +350,11 @@ proptest! {
 
     #[test]
     fn a_tint_of_one_is_schlick_and_the_tint_is_met(f0 in scaled(0, 1000, 1000), tint in scaled(0, 1000, 1000), c in cosine()) {
-        prop_assert!(close(fresnel::f82_tint(c, f0, 1.0), fresnel::schlick(c, f0).reflectance, 12.0));
+        prop_assert!(close(fresnel::f82_tint(c, f0, 1.0), fresnel::schlick(c, f0).reflectance, 18.0));
         let peak = 1.0 / 7.0;
         let schlick = fresnel::schlick(peak, f0).reflectance;
-        // 12 ULP of Schlick's F, which the tinted value is a difference from; as many for the product here.
-        prop_assert!((fresnel::f82_tint(peak, f0, tint) - tint * schlick).abs() <= 24.0 * EPS * schlick);
+        // 18 ULP of Schlick's F, which the tinted value is a difference from; as many for the product here.
+        prop_assert!((fresnel::f82_tint(peak, f0, tint) - tint * schlick).abs() <= 36.0 * EPS * schlick);
     }
 }
 
@@ -477,7 +479,7 @@ proptest! {
         let (slope, phi) = (tan * alpha, f64::from(degrees).to_radians());
         let h = Vector::new(slope * phi.cos(), slope * phi.sin(), 1.0);
         // Twice the documented error, with the exponents tan²θ/α² and its upper bound for Blinn's.
-        let ulps = 2.0 * (6.0 + 5.0 * (tan * tan).max(1.0 / (alpha * alpha) * (slope * slope).ln_1p()));
+        let ulps = 2.0 * (14.0 + 8.0 * (tan * tan).max(1.0 / (alpha * alpha) * (slope * slope).ln_1p()));
         let pairs = [
             (distribution::beckmann(h, alpha), distribution::beckmann_anisotropic(h, alpha, alpha)),
             (distribution::ggx(h, alpha), distribution::ggx_anisotropic(h, alpha, alpha)),
@@ -501,13 +503,13 @@ proptest! {
         for (name, masking::Masking { g, visibility }) in terms {
             prop_assert!((0.0..=1.0).contains(&g), "{}: {}", name, g);
             // The documented ULP of both and 3 products.
-            prop_assert!(close(4.0 * wi.z * wo.z * visibility, g, 17.0), "{}: {} {}", name, g, visibility);
+            prop_assert!(close(4.0 * wi.z * wo.z * visibility, g, 25.0), "{}: {} {}", name, g, visibility);
         }
         // Correlated heights see more than independent ones: G2 ≥ G1·G1; the last bits by rounding.
-        prop_assert!(terms[1].1.g >= terms[2].1.g * (1.0 - 12.0 * EPS));
-        prop_assert!(terms[3].1.g >= terms[4].1.g * (1.0 - 12.0 * EPS));
+        prop_assert!(terms[1].1.g >= terms[2].1.g * (1.0 - 22.0 * EPS));
+        prop_assert!(terms[3].1.g >= terms[4].1.g * (1.0 - 22.0 * EPS));
         let kelemen = masking::kelemen(wi.z, wo.z, h);
-        prop_assert!(close(4.0 * wi.z * wo.z * kelemen.visibility, kelemen.g, 8.0));
+        prop_assert!(close(4.0 * wi.z * wo.z * kelemen.visibility, kelemen.g, 17.0));
         prop_assert!(close(kelemen.visibility * h.length_squared(), 1.0, 2.0));
     }
 
@@ -523,11 +525,11 @@ proptest! {
 
     #[test]
     fn masking_falls_with_width(wi in upper(), wo in upper(), alpha in alpha()) {
-        // 1 of the same terms at a larger width; monotone but for the documented 7 ULP.
+        // 1 of the same terms at a larger width; monotone but for the documented 11 ULP.
         for smith in [masking::smith_ggx, masking::smith_beckmann] {
             let wider = (1.3 * alpha).min(1.0);
             let (narrow, wide) = (smith(wi, wo, alpha, alpha).g, smith(wi, wo, wider, wider).g);
-            prop_assert!(wide <= narrow * (1.0 + 14.0 * EPS), "{} {}", narrow, wide);
+            prop_assert!(wide <= narrow * (1.0 + 22.0 * EPS), "{} {}", narrow, wide);
         }
     }
 }
@@ -631,9 +633,9 @@ proptest! {
         let (above, below) = (d * share, d * (1.0 - share));
         let parts = absorption::transmittance(sigma, above, ci, co) * absorption::transmittance(sigma, below, ci, co);
         let x = sigma * d * (1.0 / ci + 1.0 / co);
-        // The documented 2 + 2.5·x ULP three times; beyond 600 a result may be 0 and its factors not.
+        // The documented 3 + 3·x ULP three times; beyond 600 a result may be 0 and its factors not.
         if x < 600.0 {
-            prop_assert!(close(whole, parts, 8.0 + 8.0 * x), "{} {}", whole, parts);
+            prop_assert!(close(whole, parts, 9.0 + 9.0 * x), "{} {}", whole, parts);
         }
     }
 
@@ -725,12 +727,11 @@ proptest! {
         whole.extend(below);
         let [split, whole] = [split, whole].map(|layers| stack(Model::Conserving, layers).evaluate(wi, wo));
         for (channel, (split, whole)) in split.into_iter().zip(whole).enumerate() {
-            // As a matched coat, and the absorption's 8 + 8·x ULP of the test above with x at most −ln f + ln 1e22
-            // (the largest lobe there is).
+            // As a matched coat, and the absorption's 9 + 9·x ULP of the test above.
             let least = [wi, wo].map(|w| refraction::cos_t(w.z, n[channel]));
             let x = sigma[channel] * d * (1.0 / least[0] + 1.0 / least[1]);
             if x < 600.0 {
-                prop_assert!(close(split, whole, 32.0 + 8.0 * x), "{} {}", split, whole);
+                prop_assert!(close(split, whole, 32.0 + 9.0 * x), "{} {}", split, whole);
             }
         }
     }
