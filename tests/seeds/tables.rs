@@ -49,9 +49,9 @@ fn row_error(m: f64, texel: impl Fn(f64) -> f64, look_up: impl Fn(f64) -> f64) -
     let error = |angle: f64| (table.at(look_up(angle)) - beckmann(angle, m)).abs();
     let steps = 20_000;
     let (near, far) = ((8.0 * m).min(FRAC_PI_2), FRAC_PI_2);
-    let worst = (0..=steps).map(|i| f64::from(i) / f64::from(steps)).fold(0.0f64, |worst, x| {
-        worst.max(error(near * x)).max(error(far * x))
-    });
+    let worst = (0..=steps)
+        .map(|i| f64::from(i) / f64::from(steps))
+        .fold(0.0f64, |worst, x| worst.max(error(near * x)).max(error(far * x)));
     worst / beckmann(0.0, m)
 }
 
@@ -91,7 +91,9 @@ fn between_rows(m: f64) -> f64 {
 fn fresnel_error((n, k): (f64, f64)) -> f64 {
     let exact = |angle: f64| fresnel::conductor(angle.cos().max(0.0), n, k).reflectance;
     let table = Table::new(ANGLES, |u| (exact(u * FRAC_PI_2) * 255.0).round() / 255.0);
-    (0..=20_000).map(|i| f64::from(i) / 20_000.0).fold(0.0, |worst, u| worst.max((table.at(u) - exact(u * FRAC_PI_2)).abs()))
+    (0..=20_000)
+        .map(|i| f64::from(i) / 20_000.0)
+        .fold(0.0, |worst, u| worst.max((table.at(u) - exact(u * FRAC_PI_2)).abs()))
 }
 
 pub(crate) fn errata() -> Vec<Erratum> {
