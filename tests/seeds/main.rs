@@ -7,7 +7,7 @@
 //! BRDF_BLESS=1 cargo test --features check --test seeds
 //! ```
 //!
-//! E is Elek, "Layered Materials in Real-Time Rendering" (2010); M is Mihaylov, "Simulating metal surfaces" (2013).
+//! E is Elek, "Layered Materials in Real-Time Rendering" (2010); M is Mihaylov, "Rendering Metals and Worn or Weathered Metallic Objects" (2013).
 #![cfg(feature = "check")]
 
 mod elek;

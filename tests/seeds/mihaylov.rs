@@ -9,8 +9,15 @@ use brdf::material::metal;
 use brdf::{Vector, fresnel, microfacet};
 use std::f64::consts::PI;
 
+/// π as the listing of the highlight writes it.
+#[expect(clippy::approx_constant, reason = "as printed")]
+pub(crate) const SPECULAR_PI: f64 = 3.1415;
+/// π as the Oren–Nayar listing writes it.
+#[expect(clippy::approx_constant, reason = "as printed")]
+const OREN_NAYAR_PI: f64 = 3.14159;
+
 /// `pow` of HLSL, Cg and WGSL, exp2(y·log2(x)): NaN where x < 0.
-fn shader_pow(x: f64, y: f64) -> f64 {
+pub(crate) fn shader_pow(x: f64, y: f64) -> f64 {
     (y * x.log2()).exp2()
 }
 
@@ -41,9 +48,9 @@ pub(crate) fn equation_4_8(reflectance: f64, d: Dots<f64>, m: f64) -> f64 {
 
 /// The specular component of M §4.1.4 as printed, with any Fresnel term and white colour: a radiance.
 pub(crate) fn specular_printed(reflectance: f64, d: Dots<f64>, m: f64) -> f64 {
-    let d1 = 1.0 / (3.1415 * m * m * d.nh.powi(4));
+    let d1 = 1.0 / (SPECULAR_PI * m * m * d.nh.powi(4));
     let d2 = ((d.nh * d.nh - 1.0) / (m * m * d.nh * d.nh)).exp();
-    (reflectance * masking_printed(d) * (d1 * d2)) / 3.1415 * (d.nv * d.nl + 1.0e-7)
+    (reflectance * masking_printed(d) * (d1 * d2)) / SPECULAR_PI * (d.nv * d.nl + 1.0e-7)
 }
 
 /// What a printed form of M's Oren–Nayar uses.
@@ -60,7 +67,7 @@ pub(crate) fn oren_nayar_printed(form: Printed, wi: Vector<f64>, wo: Vector<f64>
     let (ti, to) = (wi.z.min(1.0).acos(), wo.z.min(1.0).acos());
     let (alpha, beta) = (ti.max(to), ti.min(to));
     let gamma = wi.x * wo.x + wi.y * wo.y;
-    let pi = if form == Printed::Listing { 3.14159 } else { PI };
+    let pi = if form == Printed::Listing { OREN_NAYAR_PI } else { PI };
     let q2 = q * q;
     let c1 = 1.0 - 0.5 * (q2 / (q2 + 0.33));
     let scale = 0.45 * (q2 / (q2 + 0.09));
@@ -188,7 +195,7 @@ fn specular() -> Vec<Erratum> {
             printed: "F₀ = ((n₁−n₂)/(n₁+n₂))², as pow((1−ior)/(1+ior), 2)",
             correct: "F₀ = ((n−1)²+κ²)/((n+1)²+κ²), a product",
             right: "`fresnel::schlick` of `fresnel::normal_incidence`; `fresnel::schlick_from_indices` multiplies",
-            note: "`pow` of a negative base is NaN in HLSL, Cg and WGSL.",
+            note: "`pow` of a negative base is NaN or undefined in HLSL, Cg and WGSL.",
             measure: || {
                 let (n, k) = index("copper_elek", 1);
                 vec![

@@ -2,7 +2,7 @@
 
 use crate::elek::{Dots, appendix_b, beckmann_printed, dots, equation_1, lazanyi_printed, patina_extent_printed, up};
 use crate::layered::flake_normal;
-use crate::mihaylov::{Printed, equation_4_8, fresnel_term_printed, oren_nayar_printed, specular_printed};
+use crate::mihaylov::{Printed, SPECULAR_PI, equation_4_8, fresnel_term_printed, oren_nayar_printed, specular_printed};
 use brdf::{Vector, fresnel};
 use serde_json::Value;
 use std::f64::consts::FRAC_1_PI;
@@ -65,7 +65,7 @@ fn whole_models() {
         assert_close(equation_4_8(exact, d, m), get(&row, "thesis_4_8"), tolerance, &row);
         assert_close(appendix_b(d, n, k, m).value, get(&row, "elek_appendixB_as_printed"), tolerance, &row);
         // The reference cuts the divisor off to 3.1415 as the listing does, but not the π in D.
-        let spec = specular_printed(fresnel_term_printed(n, k, d.vh), d, m) * (3.1415 * FRAC_1_PI);
+        let spec = specular_printed(fresnel_term_printed(n, k, d.vh), d, m) * (SPECULAR_PI * FRAC_1_PI);
         assert_close(spec, get(&row, "thesis_listing_spec_as_printed"), tolerance, &row);
     }
 }

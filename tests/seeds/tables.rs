@@ -106,7 +106,8 @@ pub(crate) fn errata() -> Vec<Erratum> {
         right: "`distribution::beckmann` and `fresnel::conductor`, evaluated; the tables exist in this test only",
         note: "Errors of D are relative to its peak D(0, m), of F absolute, over all angles; rows of m .0023, .005, .01, .02, .05, .1, .3, \
                .5 and 1; F for the nine indices of App. A, n = 1.5 and n = 1.33. D carries its 1/π; without it, as E prints it, f16 \
-               overflows for m < .0039.",
+               overflows for m < .0039. \
+               The notes print .57 % at m = .02 for what is .577 %.",
         measure: || {
             let rows = [0.0023, 0.005, 0.01, 0.02, 0.05, 0.1, 0.3, 0.5, 1.0];
             let worst = rows.into_iter().map(right).fold(0.0, f64::max);
@@ -129,7 +130,7 @@ pub(crate) fn errata() -> Vec<Erratum> {
                 Measurement::notes("right: the worst row", worst, "≤ 0.2 %"),
                 Measurement::here("right: the worst row, m = 1", right(1.0), "0.19 %"),
                 Measurement::notes("u = NH⁸: m = .01", wrong(0.01), "47 %"),
-                Measurement::notes("linear in α: m = .02", linear(0.02), ".57 %").within(1e-4),
+                Measurement::here("linear in α: m = .02", linear(0.02), ".58 %"),
                 Measurement::notes("linear in α: m = .01", linear(0.01), "2.2 %"),
                 Measurement::notes("between linear rows of m: at .01", between_rows(0.01), "2.5 %"),
                 Measurement::notes("f16 overflows below m =", overflow(&|m| beckmann(0.0, m)), ".0022"),
