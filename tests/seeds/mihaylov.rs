@@ -81,6 +81,31 @@ pub(crate) fn oren_nayar_printed(form: Printed, wi: Vector<f64>, wo: Vector<f64>
     c1 + gamma * c2 * beta.tan() + (1.0 - gamma.abs()) * c3 * ((alpha + beta) / 2.0).tan()
 }
 
+/// M, equation 4.7: Kd·NL·Ld/d + CM·Fr.
+fn diffuse_4_7(kd: f64, nl: f64, ld: f64, d: f64, cm: f64, fr: f64) -> f64 {
+    1.0 / d * kd * nl * ld + cm * fr
+}
+
+/// diffuseComponent of M §4.1.4, with cubeRefl = texCUBE·Refl.
+fn diffuse_printed(color: f64, nl: f64, light: f64, attenuation: f64, cube: f64, refl: f64, fr: f64) -> f64 {
+    cube * refl + attenuation * light * color * nl.max(0.0) * fr
+}
+
+/// The attenuation of M eq. 4.2 and §4.1.4.
+fn attenuation_printed(d: f64) -> f64 {
+    1.0 / d
+}
+
+/// The attenuation of a point light.
+fn attenuation_correct(d: f64) -> f64 {
+    1.0 / (d * d)
+}
+
+/// What the text of M §4.3 says a mask leaves of the metal.
+fn metal_share_of_the_text(mask: f64) -> f64 {
+    if mask > 0.5 { 1.0 } else { 0.0 }
+}
+
 /// `maskDiffuse` of M §4.3: what share of the metal a mask leaves.
 fn metal_share_printed(mask: f64) -> f64 {
     if mask <= 0.5 { 1.0 } else { 0.0 }
@@ -364,9 +389,14 @@ fn contradictions() -> Vec<Erratum> {
             note: "Contradiction. Defaults: ior = 1.5, k = 0, Refl = .5, with the exact Fresnel term on both sides.",
             measure: || {
                 let f = |theta: f64| fresnel::dielectric(theta.to_radians().cos(), 1.5).reflectance;
-                // What of a white environment and of a white Lambert surface is seen.
-                let equation_4_7 = |theta| (f(theta), 1.0);
-                let listing = |theta| (0.5, f(theta));
+                // A white environment without a light, and a light on a white surface without an environment.
+                let equation_4_7 = |theta| {
+                    (diffuse_4_7(1.0, 1.0, 0.0, 1.0, 1.0, f(theta)), diffuse_4_7(1.0, 1.0, 1.0, 1.0, 0.0, f(theta)))
+                };
+                let listing = |theta| {
+                    let of = |light, cube| diffuse_printed(1.0, 1.0, light, 1.0, cube, 0.5, f(theta));
+                    (of(0.0, 1.0), of(1.0, 0.0))
+                };
                 vec![
                     Measurement::here("4.7: mirror image at 0°", equation_4_7(0.0).0, ".04"),
                     Measurement::here("listing: mirror image at 0°", listing(0.0).0, ".50"),
@@ -395,9 +425,17 @@ fn contradictions() -> Vec<Erratum> {
                         .within(0.0),
                     Measurement::here("listing: share of metal where the mask is .5", metal_share_printed(0.5), "1")
                         .within(0.0),
+                    Measurement::here("listing: share of metal where the mask is white", metal_share_printed(1.0), "0")
+                        .within(0.0),
                     Measurement::here(
-                        "listing: share of metal where the mask is white; the text says 1",
-                        metal_share_printed(1.0),
+                        "text: share of metal where the mask is white",
+                        metal_share_of_the_text(1.0),
+                        "1",
+                    )
+                    .within(0.0),
+                    Measurement::here(
+                        "text: share of metal where the mask is black",
+                        metal_share_of_the_text(0.0),
                         "0",
                     )
                     .within(0.0),
@@ -442,10 +480,11 @@ fn contradictions() -> Vec<Erratum> {
             right: "none: lights are the caller's; the notes ask to offer both",
             note: "The power that passes a sphere around the light, in units of what passes at d = 1.",
             measure: || {
-                let power = |attenuation: f64, d: f64| d * d * attenuation;
+                let power = |attenuation: fn(f64) -> f64, d: f64| d * d * attenuation(d) / attenuation(1.0);
                 vec![
-                    Measurement::here("printed: power through d = 10", power(1.0 / 10.0, 10.0), "10").within(1e-12),
-                    Measurement::here("correct: power through d = 10", power(1.0 / (10.0 * 10.0), 10.0), "1")
+                    Measurement::here("printed: power through d = 10", power(attenuation_printed, 10.0), "10")
+                        .within(1e-12),
+                    Measurement::here("correct: power through d = 10", power(attenuation_correct, 10.0), "1")
                         .within(1e-12),
                 ]
             },
