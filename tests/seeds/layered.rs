@@ -4,8 +4,8 @@ use crate::elek::{Dots, Listing, appendix_b, dots, index, lazanyi_printed, norma
 use crate::integrate::{albedo, albedo_of_radiance, direction, range_over_pairs};
 use crate::record::{Erratum, Measurement};
 use brdf::check::Fixed;
-use brdf::layered::{Interface, Layer, Model, Stack};
-use brdf::{Real, Vector, absorption, fresnel, refraction};
+use brdf::layered::{Interface, Layer, Model, Stack, internal_reflection};
+use brdf::{Real, Vector, absorption, fresnel, microfacet, refraction};
 use std::f64::consts::PI;
 
 /// The uniform variables of Algorithm 1, one channel of them.
@@ -359,4 +359,27 @@ fn the_listing_is_equation_2_with_another_cosine() {
     let want = upper / (PI * wi.z) + t12 * (lower / (PI * below_i.z)) * a * ((1.0 - g) + t12 * g);
     let got = elek.evaluate(wi, wo)[0];
     assert!((got / want - 1.0).abs() < 1e-12, "{got} {want}");
+}
+
+#[test]
+fn the_listing_is_made_of_the_terms_of_the_crate() {
+    // Algorithm 1 as printed, from the crate's D·V, refraction, absorption and t, with the printed Fresnel terms. Errata 3
+    // and 4 are the cosines; the lower interface is the smoother one, so that the clamp is seen.
+    let s = Algorithm1 { upper: (1.5, 0.0, 0.4), lower: (0.213, 4.05, 0.05), sigma: 0.4, d: 0.5, ..COATED_COPPER };
+    for (light, view) in [(40.0, 25.0), (75.0, 60.0), (10.0, 80.0)] {
+        let (wi, wo) = (direction(light, 0.0), direction(view, 150.0));
+        let below = (refraction::refract(wi, 1.5), refraction::refract(wo, 1.5));
+        let lobe = |wi: Vector<f64>, wo, (n, k, _), m| {
+            let facets = microfacet::facets(wi, wo, m);
+            let f = lazanyi_printed(microfacet::cos_half(wi, wo), n, k);
+            (PI * f * facets.lobe * wi.z, f, facets.g)
+        };
+        let (f1, fresnel1, g1) = lobe(wi, wo, s.upper, 0.4);
+        let (f2, ..) = lobe(below.0, below.1, s.lower, 0.4);
+        let t12 = 1.0 - fresnel1;
+        let a = absorption::transmittance(0.4, 0.5, below.0.z, below.1.z);
+        let want = f1 + t12 * f2 * a * internal_reflection(t12, g1);
+        let got = algorithm_1(&s, up(), wi, wo);
+        assert!((got / want - 1.0).abs() < 1e-12, "{light} {view}: {got} {want}");
+    }
 }
