@@ -162,7 +162,8 @@ impl Div for WgslInterval {
     type Output = Self;
     fn div(self, other: Self) -> Self {
         let divisor = [other.low.abs(), other.high.abs()];
-        let normal = divisor.iter().all(|d| (2f64.powi(-126)..=2f64.powi(126)).contains(d));
+        // The range for which the standard bounds the error: 2⁻¹²⁶ to 2¹²⁶.
+        let normal = divisor.iter().all(|d| (TINY..=TINY.recip()).contains(d));
         if !normal || other.low < 0.0 && other.high > 0.0 {
             return Self::UNKNOWN;
         }
