@@ -269,8 +269,9 @@ struct Lobe<R> {
 
 enum Shape<R> {
     /// Facets of width `alpha`, in the medium of index `n` under media of which `least` is the smallest index, 1 included.
-    /// `view` is refracted down to them. At the `top` directions are those outside.
-    Facets { view: Vector<R>, alpha: R, n: R, least: R, top: bool },
+    /// `view` is refracted down to them. At the `top` directions are those outside. The share `spread` is drawn from the
+    /// cosine outside.
+    Facets { view: Vector<R>, alpha: R, n: R, least: R, top: bool, spread: R },
     /// A base, of which a share is drawn uniformly and the rest from the cosine.
     Diffuse { uniform: R },
 }
@@ -281,11 +282,12 @@ impl<R: Real> Lobe<R> {
     fn density(&self, wi: Vector<R>) -> R {
         match self.shape {
             Shape::Facets { view, alpha, top: true, .. } => reflect_visible_pdf(wi, view, alpha),
-            Shape::Facets { view, alpha, n, least, .. } => {
+            Shape::Facets { view, alpha, n, least, spread, .. } => {
                 let light = refract(wi, n);
                 let reaches = passes(wi, least) & light.z.gt(R::ZERO);
                 let compression = wi.z / (n * n * R::select(reaches, light.z, R::ONE));
-                R::select(reaches, reflect_visible_pdf(light, view, alpha) * compression, R::ZERO)
+                let facets = R::select(reaches, reflect_visible_pdf(light, view, alpha) * compression, R::ZERO);
+                spread * R::FRAC_1_PI * wi.z + (R::ONE - spread) * facets
             }
             Shape::Diffuse { uniform } => R::FRAC_1_PI * ((R::ONE - uniform) * wi.z + R::HALF * uniform),
         }
@@ -296,13 +298,17 @@ impl<R: Real> Lobe<R> {
     fn reflect(&self, u: [R; 3]) -> Vector<R> {
         match self.shape {
             Shape::Facets { view, alpha, top: true, .. } => reflect_visible(view, alpha, u),
-            Shape::Facets { view, alpha, n, least, .. } => {
-                let light = reflect_visible(view, alpha, u);
+            Shape::Facets { view, alpha, n, least, spread, .. } => {
+                let spreads = u[0].lt(spread);
+                let rest = (u[0] - spread).max(R::ZERO) / (R::ONE - spread);
+                let light = reflect_visible(view, alpha, [rest, u[1], u[2]]);
                 let (x, y) = (n * light.x, n * light.y);
                 let square = x * x + y * y;
                 let leaves = light.z.gt(R::ZERO) & square.lt(least * least);
                 let z = (R::ONE - square).max(R::ZERO).sqrt();
-                Vector::new(x, y, R::select(leaves, z, R::ZERO))
+                let even = cosine_hemisphere([u[1], u[2]]);
+                let pick = |a: R, b: R| R::select(spreads, a, b);
+                Vector::new(pick(even.x, x), pick(even.y, y), pick(even.z, R::select(leaves, z, R::ZERO)))
             }
             Shape::Diffuse { uniform } => {
                 let (even, cosine) = (uniform_hemisphere([u[1], u[2]]), cosine_hemisphere([u[1], u[2]]));
@@ -373,7 +379,9 @@ fn descend<R: Real, const C: usize, const K: usize>(
             mirrored[channel] = mirrored[channel] * split.transmittance.squared();
             most[channel] = if elek { most[channel] } else { most[channel] * split.transmittance };
         }
-        each(&Lobe { weights, shape: Shape::Facets { view, alpha, n: n_above, least, top: position == 0 } });
+        let top = position == 0;
+        let spread = if top { R::ZERO } else { spread(view, alpha, n_above, least) };
+        each(&Lobe { weights, shape: Shape::Facets { view, alpha, n: n_above, least, top, spread } });
         if last {
             return;
         }
@@ -399,6 +407,23 @@ fn descend<R: Real, const C: usize, const K: usize>(
 fn slanted<R: Real>(view: Vector<R>, sigma: R) -> R {
     let variance = sigma * sigma;
     R::from_f64(0.45) * variance / (variance + R::from_f64(0.09)) * view.sin_squared()
+}
+
+/// The share of a lower interface's samples that is drawn from the cosine: what of its lobe is reflected totally on the way
+/// up, times the part of the hemisphere that the lobe fills.
+///
+/// A facet turns the view to the critical direction, sinθ_c = least/n, where its slope is tan((θ_c∓θ)/2) =
+/// (sinθ_c∓sinθ)/(cosθ_c+cosθ) on either side; as many slopes are beyond t as exp(−t²/α²) says.
+#[inline(always)]
+fn spread<R: Real>(view: Vector<R>, alpha: R, n: R, least: R) -> R {
+    let critical = (least / n).min(R::ONE);
+    let cosines = view.z + ((R::ONE - critical) * (R::ONE + critical)).max(R::ZERO).sqrt();
+    let sine = view.sin_squared().sqrt();
+    let scale = R::ONE / (alpha * R::select(cosines.gt(R::ZERO), cosines, R::ONE));
+    let beyond = |difference: R| (-(difference.max(R::ZERO) * scale).squared()).exp();
+    let lost = R::HALF * (beyond(critical - sine) + beyond(critical + sine));
+    let reach = R::TWO * n * view.z * alpha;
+    (lost * reach.squared().min(R::ONE)).min(R::HALF)
 }
 
 /// A number clamped to [0, 1), to the largest below 1: a logarithm of the rest stays finite.
