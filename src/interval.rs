@@ -31,6 +31,8 @@ pub struct WgslInterval {
 const ULP: f64 = f32::EPSILON as f64;
 /// The smallest normal f32.
 const TINY: f64 = f32::MIN_POSITIVE as f64;
+/// The spacing of the subnormal f32.
+const SPACING: f64 = TINY * ULP;
 
 /// What is known of a comparison between intervals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,12 +85,15 @@ impl WgslInterval {
             return Self::UNKNOWN;
         }
         let relative = ulps * ULP + 4.0 * f64::EPSILON;
-        let mut low = if low == 0.0 { 0.0 } else { low - relative * low.abs() };
-        let mut high = if high == 0.0 { 0.0 } else { high + relative * high.abs() };
-        if low > 0.0 && low < TINY {
+        // The ULP of a subnormal number is 2⁻¹⁴⁹, whatever its size.
+        let room = |x: f64| (relative * x.abs()).max(ulps * SPACING);
+        let (positive, negative) = (low >= 0.0, high <= 0.0);
+        let mut low = if low == 0.0 { 0.0 } else { low - room(low) };
+        let mut high = if high == 0.0 { 0.0 } else { high + room(high) };
+        if positive && low < TINY {
             low = 0.0;
         }
-        if high < 0.0 && high > -TINY {
+        if negative && high > -TINY {
             high = 0.0;
         }
         // A result past the largest f32 is indeterminate.
@@ -365,6 +370,16 @@ mod tests {
                 assert!(interval.reflectance.is_bounded());
             }
         }
+    }
+
+    #[test]
+    fn a_subnormal_is_rounded_to_its_own_spacing() {
+        let (a, b) = (f32::MIN_POSITIVE, 1.3e-3f32);
+        let product = WgslInterval::exactly(a) * WgslInterval::exactly(b);
+        for allowed in [a * b, (a * b).next_up(), 0.0] {
+            assert!(product.contains(allowed), "{allowed:e} {product:?}");
+        }
+        assert!(!product.contains((a * b) * 1.01) && !product.contains(-f32::from_bits(1)), "{product:?}");
     }
 
     #[test]

@@ -252,11 +252,13 @@ fn _density(lobe: _Lobe, wi: vec3f) -> f32 {
     if lobe.top {
         return reflect_visible_pdf(wi, lobe.view, lobe.alpha);
     }
+    let spread = _spread(lobe);
     let light = refract(wi, lobe.n);
     if !_gets_through(wi, lobe.least) || light.z <= 0.0 {
-        return 0.0;
+        return spread * frac_pi * wi.z;
     }
-    return reflect_visible_pdf(light, lobe.view, lobe.alpha) * (wi.z / (lobe.n * lobe.n * light.z));
+    let facets = reflect_visible_pdf(light, lobe.view, lobe.alpha) * (wi.z / (lobe.n * lobe.n * light.z));
+    return spread * frac_pi * wi.z + (1.0 - spread) * facets;
 }
 
 // A direction outside the stack; at or below the horizon where it is lost.
@@ -267,10 +269,14 @@ fn _reflect(lobe: _Lobe, u: vec3f) -> vec3f {
         }
         return cosine_hemisphere(u.yz);
     }
-    let light = reflect_visible(lobe.view, lobe.alpha, u);
     if lobe.top {
-        return light;
+        return reflect_visible(lobe.view, lobe.alpha, u);
     }
+    let spread = _spread(lobe);
+    if u.x < spread {
+        return cosine_hemisphere(u.yz);
+    }
+    let light = reflect_visible(lobe.view, lobe.alpha, vec3f((u.x - spread) / (1.0 - spread), u.y, u.z));
     let x = lobe.n * light.x;
     let y = lobe.n * light.y;
     let square = x * x + y * y;
@@ -282,6 +288,20 @@ fn _reflect(lobe: _Lobe, u: vec3f) -> vec3f {
 fn _slanted(lobe: _Lobe) -> f32 {
     let variance = lobe.layer.deviation * lobe.layer.deviation;
     return 0.45 * variance / (variance + 0.09) * (lobe.view.x * lobe.view.x + lobe.view.y * lobe.view.y);
+}
+
+// The share of a lower interface's samples that is drawn from the cosine: about what of its lobe is reflected totally on the
+// way up, times the part of the hemisphere that the lobe fills.
+fn _spread(lobe: _Lobe) -> f32 {
+    let critical = min(lobe.least / lobe.n, 1.0);
+    let cosines = lobe.view.z + sqrt(max((1.0 - critical) * (1.0 + critical), 0.0));
+    let sine = sqrt(lobe.view.x * lobe.view.x + lobe.view.y * lobe.view.y);
+    let scale = 1.0 / (lobe.alpha * select(1.0, cosines, cosines > 0.0));
+    let toward = max(critical - sine, 0.0) * scale;
+    let away = (critical + sine) * scale;
+    let lost = 0.5 * (exp(-(toward * toward)) + exp(-(away * away)));
+    let reach = 2.0 * lobe.n * lobe.view.z * lobe.alpha;
+    return min(lost * min(reach * reach, 1.0), 0.5);
 }
 
 // Whether a direction outside gets through media of which `least` is the smallest index.
