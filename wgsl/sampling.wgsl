@@ -104,7 +104,7 @@ fn pdf(first: u32, count: u32, elek: bool, wi: vec3f, wo: vec3f) -> f32 {
     return _share(total, density);
 }
 
-// What f·cos/pdf is bounded by, up to a factor of 10.
+// What f·cos/pdf is bounded by, up to the factor WEIGHT_BOUND = 11.
 fn ceiling(first: u32, count: u32, elek: bool, wo: vec3f) -> f32 {
     if wo.z <= 0.0 {
         return 0.0;
