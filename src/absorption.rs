@@ -13,7 +13,7 @@ use crate::real::Real;
 /// * `sigma` ≥ 0: absorption coefficient in 1/length. `thickness` ≥ 0: in the same length. Where either is 0: 1.
 /// * `cos_i`, `cos_o` in [0, 1]: cosines of both directions *inside* the layer. At 0, with σ·d > 0: 0.
 ///
-/// 0 where the argument exceeds 87 (f32) or 708 (f64). Error in f32: ≤ 4 + 3·x ULP for the argument x: its factors are
+/// 0 where the argument exceeds 87 (f32) or 708 (f64). Error in f32: ≤ 3 + 3·x ULP for the argument x: its factors are
 /// rounded. Source: Elek 2010, eq. 3 with N·L′ and N·V′ (erratum 8).
 #[inline]
 pub fn transmittance<R: Real>(sigma: R, thickness: R, cos_i: R, cos_o: R) -> R {

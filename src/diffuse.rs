@@ -8,7 +8,7 @@ use crate::real::Real;
 
 /// Lambert's BRDF, ρ/π in sr⁻¹ for every pair of directions.
 ///
-/// Error in f32: 1 ULP. Source: Lambert 1760; Mihaylov 2013, eq. 4.2 (without the 1/π).
+/// Error in f32: ≤ 1.5 ULP. Source: Lambert 1760; Mihaylov 2013, eq. 4.2 (without the 1/π).
 #[inline]
 pub fn lambert<R: Real>(albedo: R) -> R {
     albedo * R::FRAC_1_PI
@@ -48,7 +48,8 @@ impl<R: Real> OrenNayar<R> {
 ///
 /// At σ = 0 it is Lambert's. Its albedo reaches 1.051 (σ = .3, grazing): the model itself gains energy there.
 ///
-/// Error in f32: ≤ 32 ULP of C1's scale (`tests/precision.rs`); no trigonometry but the two angles of the small terms.
+/// Error in f32: direct to 89° ≤ 9 ULP, direct ≤ 160 ULP, both of 1; interreflection ≤ 7 ULP of 0.1
+/// (`tests/precision.rs`); no trigonometry but the two angles of the small terms.
 /// Source: Oren & Nayar 1994, eq. 27–29 of the technical report; Mihaylov 2013, eq. 4.15–4.23 (with errata 19–21).
 #[inline]
 pub fn oren_nayar<R: Real>(wi: Vector<R>, wo: Vector<R>, sigma: R) -> OrenNayar<R> {
@@ -104,7 +105,7 @@ pub fn oren_nayar<R: Real>(wi: Vector<R>, wo: Vector<R>, sigma: R) -> OrenNayar<
 /// In plain text: f = ρ/π·(A + B·max(0, cosΔφ)·sinα·tanβ), A = 1 − 0.5σ²/(σ²+0.57), B = 0.45σ²/(σ²+0.09). The constant
 /// 0.57 makes up for the interreflection that this form leaves out; the full form's C1 has 0.33.
 ///
-/// Gains energy at grazing for small σ (1.015 at σ = .2, 89.99°). Error in f32: ≤ 12 ULP.
+/// Gains energy at grazing for small σ (1.015 at σ = .2, 89.99°). Error in f32: ≤ 8 + 0.4/max(cos_i, cos_o) ULP.
 /// Source: Oren & Nayar 1994, eq. 30 and the footnote to it.
 #[inline]
 pub fn oren_nayar_qualitative<R: Real>(wi: Vector<R>, wo: Vector<R>, sigma: R, albedo: R) -> R {

@@ -15,11 +15,17 @@ use crate::real::Real;
 /// In plain text: D = exp(−tan²θ/α²)/(πα²cos⁴θ). At θ = 0: 1/(πα²). 0 where tan²θ/α² > 87 (f32) or 708 (f64), where
 /// the result would be subnormal.
 ///
-/// Error in f32: ≤ 4 + 4·tan²θ/α² ULP: the rounding of the exponent's argument (`tests/precision.rs`).
+/// Error in f32: ≤ 7 + 4.5·tan²θ/α² ULP: the rounding of the exponent's argument (`tests/precision.rs`).
 /// Source: Beckmann & Spizzichino 1963; Mihaylov 2013, eq. 4.12; Elek 2010, App. B (which lacks 1/π).
 #[inline]
 pub fn beckmann<R: Real>(h: Vector<R>, alpha: R) -> R {
-    beckmann_anisotropic(h, alpha, alpha)
+    let (inside, z) = upper(h);
+    let tan_squared = h.sin_squared() / (z * z);
+    let alpha_squared = alpha * alpha;
+    let exponent = tan_squared / alpha_squared;
+    let inside = inside & exponent.le(R::EXP_LIMIT);
+    let value = (R::ONE + tan_squared).squared() * (-exponent).exp() / (R::PI * alpha_squared);
+    R::select(inside, value, R::ZERO)
 }
 
 /// Beckmann's distribution with a width for each axis.
@@ -28,7 +34,7 @@ pub fn beckmann<R: Real>(h: Vector<R>, alpha: R) -> R {
 ///
 /// In plain text: D = exp(−((hx/αx)² + (hy/αy)²)/hz²)/(π αx αy cos⁴θ). At αx = αy: [`beckmann`].
 ///
-/// Error in f32: as [`beckmann`]. Source: Heitz 2014, eq. 75.
+/// Error in f32: ≤ 8 + 5.5·x ULP for the exponent x. Source: Heitz 2014, eq. 75.
 #[inline]
 pub fn beckmann_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R {
     let (inside, z) = upper(h);
@@ -46,10 +52,13 @@ pub fn beckmann_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R 
 ///
 /// In plain text: D = α²/(π(sin²θ+α²cos²θ)²). At θ = 0: 1/(πα²).
 ///
-/// Error in f32: ≤ 8 ULP. Source: Trowbridge & Reitz 1975; Walter et al. 2007, eq. 33.
+/// Error in f32: ≤ 12 ULP. Source: Trowbridge & Reitz 1975; Walter et al. 2007, eq. 33.
 #[inline]
 pub fn ggx<R: Real>(h: Vector<R>, alpha: R) -> R {
-    ggx_anisotropic(h, alpha, alpha)
+    let (inside, z) = upper(h);
+    let (s, z_squared) = (h.sin_squared(), z * z);
+    let ratio = alpha * (s + z_squared) / (s + alpha * alpha * z_squared);
+    R::select(inside, ratio * ratio * R::FRAC_1_PI, R::ZERO)
 }
 
 /// GGX with a width for each axis.
@@ -58,7 +67,7 @@ pub fn ggx<R: Real>(h: Vector<R>, alpha: R) -> R {
 ///
 /// In plain text: D = |h|⁴/(π αx αy ((hx/αx)²+(hy/αy)²+hz²)²). At αx = αy: [`ggx`].
 ///
-/// Error in f32: ≤ 8 ULP. Source: Burley 2012, App. B.2, eq. 13; Heitz 2014, eq. 85.
+/// Error in f32: ≤ 14 ULP. Source: Burley 2012, App. B.2, eq. 13; Heitz 2014, eq. 85.
 #[inline]
 pub fn ggx_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R {
     let (inside, z) = upper(h);
@@ -74,10 +83,15 @@ pub fn ggx_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R {
 /// In plain text: D = cos(θ)^(2/α²−2)/(πα²). At θ = 0: 1/(πα²); at α = 1: constant.
 ///
 /// The power is exp(−(1/α²−1)·ln(1+tan²θ)), so that it stays accurate for exponents of 10⁸.
-/// Error in f32: ≤ 8 + 4·|ln(πα²D)| ULP. Source: Blinn 1977; Walter et al. 2007, eq. 30 with α_p = 2/α²−2; Elek 2010, §2.1.
+/// Error in f32: ≤ 6 + 7·|ln(πα²D)| ULP. Source: Blinn 1977; Walter et al. 2007, eq. 30 with α_p = 2/α²−2; Elek 2010, §2.1.
 #[inline]
 pub fn blinn<R: Real>(h: Vector<R>, alpha: R) -> R {
-    blinn_anisotropic(h, alpha, alpha)
+    let (inside, z) = upper(h);
+    let alpha_squared = alpha * alpha;
+    let half_exponent = (R::ONE - alpha) * (R::ONE + alpha) / alpha_squared;
+    let exponent = half_exponent * (h.sin_squared() / (z * z)).ln_one_plus();
+    let inside = inside & exponent.le(R::EXP_LIMIT);
+    R::select(inside, (-exponent).exp() / (R::PI * alpha_squared), R::ZERO)
 }
 
 /// Blinn's distribution with a width for each axis.
@@ -86,7 +100,7 @@ pub fn blinn<R: Real>(h: Vector<R>, alpha: R) -> R {
 ///
 /// In plain text: cos(θ)^e/(π αx αy), the exponent interpolated over the azimuth. At αx = αy: [`blinn`].
 ///
-/// Error in f32: as [`blinn`]. Source: Ashikhmin & Shirley 2000, eq. 6, without their 1/4 terms.
+/// Error in f32: ≤ 8 + 8·x ULP with x = (cos²φ/αx²+sin²φ/αy²)·ln(1+tan²θ). Source: Ashikhmin & Shirley 2000, eq. 6, without their 1/4 terms.
 #[inline]
 pub fn blinn_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R {
     let (inside, z) = upper(h);
@@ -107,7 +121,7 @@ pub fn blinn_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R {
 /// In plain text: D = c·exp(−(θ/α)²), with θ the angle to the normal in radians and c = `normalisation` from
 /// [`gaussian_normalisation`], a constant of the material.
 ///
-/// Error in f32: ≤ 4 + 6·(θ/α)² ULP. Source: Torrance & Sparrow 1967, eq. 5; Elek 2010, §2.1 (with c unstated).
+/// Error in f32: ≤ 8 + 9·(θ/α)² ULP. Source: Torrance & Sparrow 1967, eq. 5; Elek 2010, §2.1 (with c unstated).
 #[inline]
 pub fn gaussian<R: Real>(h: Vector<R>, alpha: R, normalisation: R) -> R {
     let (inside, z) = upper(h);

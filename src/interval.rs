@@ -167,7 +167,7 @@ impl Div for WgslInterval {
     type Output = Self;
     fn div(self, other: Self) -> Self {
         let divisor = [other.low.abs(), other.high.abs()];
-        let normal = divisor.iter().all(|d| (2f64.powi(-126)..=2f64.powi(126)).contains(d));
+        let normal = divisor.iter().all(|d| (TINY..=1.0 / TINY).contains(d));
         if !normal || other.low < 0.0 && other.high > 0.0 {
             return Self::UNKNOWN;
         }

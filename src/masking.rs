@@ -22,7 +22,7 @@ pub struct Masking<R> {
 ///
 /// In plain text: G = min(1, 2·NH·NV/VH, 2·NH·NL/VH). `h` is the half vector wi + wo, whose length is 2·VH.
 ///
-/// Error in f32: ≤ 5 ULP. Source: Torrance & Sparrow 1967; Cook & Torrance 1982, eq. 11; Elek 2010, App. B.
+/// Error in f32: ≤ 7 ULP. Source: Torrance & Sparrow 1967; Cook & Torrance 1982, eq. 11; Elek 2010, App. B.
 #[inline]
 pub fn v_cavity<R: Real>(cos_i: R, cos_o: R, h: Vector<R>) -> Masking<R> {
     let inside = cos_i.gt(R::ZERO) & cos_o.gt(R::ZERO);
@@ -42,7 +42,7 @@ pub fn v_cavity<R: Real>(cos_i: R, cos_o: R, h: Vector<R>) -> Masking<R> {
 ///
 /// In plain text: G = 1/(1+Λ(wi)+Λ(wo)), Λ = (√(1+tan²θ·α²)−1)/2. The widths are those along tangent and bitangent.
 ///
-/// Error in f32: ≤ 6 ULP. Source: Heitz 2014, eq. 99 and 72; Ross, Dion & Potvin 2005.
+/// Error in f32: ≤ 11 ULP. Source: Heitz 2014, eq. 99 and 72; Ross, Dion & Potvin 2005.
 #[inline]
 pub fn smith_ggx<R: Real>(wi: Vector<R>, wo: Vector<R>, alpha_x: R, alpha_y: R) -> Masking<R> {
     correlated(wi.z, wo.z, projected_area_ggx(wi, alpha_x, alpha_y), projected_area_ggx(wo, alpha_x, alpha_y))
@@ -52,7 +52,7 @@ pub fn smith_ggx<R: Real>(wi: Vector<R>, wo: Vector<R>, alpha_x: R, alpha_y: R) 
 ///
 /// In plain text: G = G1(wi)·G1(wo), G1 = 1/(1+Λ).
 ///
-/// Error in f32: ≤ 6 ULP. Source: Walter et al. 2007, eq. 23 and 34.
+/// Error in f32: ≤ 7 ULP. Source: Walter et al. 2007, eq. 23 and 34.
 #[inline]
 pub fn smith_ggx_separable<R: Real>(wi: Vector<R>, wo: Vector<R>, alpha_x: R, alpha_y: R) -> Masking<R> {
     separable(wi.z, wo.z, projected_area_ggx(wi, alpha_x, alpha_y), projected_area_ggx(wo, alpha_x, alpha_y))
@@ -62,7 +62,7 @@ pub fn smith_ggx_separable<R: Real>(wi: Vector<R>, wo: Vector<R>, alpha_x: R, al
 ///
 /// In plain text: G = 1/(1+Λ(wi)+Λ(wo)), Λ = (erf(a)−1 + exp(−a²)/(a√π))/2, a = 1/(α·tanθ).
 ///
-/// Error in f32: ≤ 8 ULP. Source: Heitz 2014, eq. 99 and 66.
+/// Error in f32: ≤ 9 ULP. Source: Heitz 2014, eq. 99 and 66.
 #[inline]
 pub fn smith_beckmann<R: Real>(wi: Vector<R>, wo: Vector<R>, alpha_x: R, alpha_y: R) -> Masking<R> {
     correlated(wi.z, wo.z, projected_area_beckmann(wi, alpha_x, alpha_y), projected_area_beckmann(wo, alpha_x, alpha_y))
@@ -70,7 +70,7 @@ pub fn smith_beckmann<R: Real>(wi: Vector<R>, wo: Vector<R>, alpha_x: R, alpha_y
 
 /// Smith's masking for Beckmann's distribution, the product of the two directions' own.
 ///
-/// Error in f32: ≤ 8 ULP. Source: Smith 1967; Walter et al. 2007, eq. 23.
+/// Error in f32: ≤ 11 ULP. Source: Smith 1967; Walter et al. 2007, eq. 23.
 #[inline]
 pub fn smith_beckmann_separable<R: Real>(wi: Vector<R>, wo: Vector<R>, alpha_x: R, alpha_y: R) -> Masking<R> {
     separable(wi.z, wo.z, projected_area_beckmann(wi, alpha_x, alpha_y), projected_area_beckmann(wo, alpha_x, alpha_y))
@@ -114,7 +114,7 @@ pub fn projected_area_beckmann<R: Real>(w: Vector<R>, alpha_x: R, alpha_y: R) ->
 ///
 /// In plain text: V = 1/|h|² with h = wi + wo; G = 4·NL·NV·V is not bounded by 1.
 ///
-/// Error in f32: ≤ 4 ULP. Source: Kelemen & Szirmay-Kalos 2001, eq. 9; Elek 2010, §3.1 ("no G").
+/// Error in f32: ≤ 7 ULP. Source: Kelemen & Szirmay-Kalos 2001, eq. 9; Elek 2010, §3.1 ("no G").
 #[inline]
 pub fn kelemen<R: Real>(cos_i: R, cos_o: R, h: Vector<R>) -> Masking<R> {
     let inside = cos_i.gt(R::ZERO) & cos_o.gt(R::ZERO);

@@ -33,7 +33,7 @@ pub struct TorranceSparrow<R> {
 /// * `wi`, `wo`: local unit vectors; where a cosine is ≤ 0, f, D and G are 0.
 /// * `n` > 0, `k` ≥ 0: the index relative to the medium above. `alpha` in [1e-4, 1].
 ///
-/// With F = 1 the albedo is ≤ 1 for every α. Error in f32: [`distribution::beckmann`]'s plus 20 ULP.
+/// With F = 1 the albedo is ≤ 1 for every α. Error in f32: f ≤ 22 + 7·x ULP with x = tan²θ/α² plus the x of [`fresnel::conductor`].
 /// Source: Torrance & Sparrow 1967; Cook & Torrance 1982; Elek 2010, eq. 1 (4 times too bright: erratum 1).
 #[inline]
 pub fn torrance_sparrow<R: Real>(wi: Vector<R>, wo: Vector<R>, n: R, k: R, alpha: R) -> TorranceSparrow<R> {
@@ -49,6 +49,8 @@ pub fn torrance_sparrow<R: Real>(wi: Vector<R>, wo: Vector<R>, n: R, k: R, alpha
 }
 
 /// V·H = |wi+wo|/2 of two unit directions, at most 1: the cosine of incidence on the microfacet that mirrors them.
+///
+/// Error in f32: ≤ 2.5 ULP.
 #[inline]
 pub fn cos_half<R: Real>(wi: Vector<R>, wo: Vector<R>) -> R {
     (R::HALF * half_vector(wi, wo).length_squared().sqrt()).min(R::ONE)
@@ -66,6 +68,8 @@ pub struct Facets<R> {
 }
 
 /// Beckmann's distribution under V-cavities, without the Fresnel term. `alpha` in [1e-4, 1].
+///
+/// Error in f32: lobe ≤ 9 + 7·tan²θ/α² ULP.
 #[inline]
 pub fn facets<R: Real>(wi: Vector<R>, wo: Vector<R>, alpha: R) -> Facets<R> {
     let h = half_vector(wi, wo);

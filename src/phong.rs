@@ -12,7 +12,7 @@ use crate::real::Real;
 ///
 /// In plain text: f = (n+2)/(2π)·max(0, R·V)ⁿ with R = L mirrored about the normal. `exponent` n ≥ 0.
 ///
-/// Error in f32: ≤ 8 + 8·|ln (R·V)ⁿ| ULP. Source: Phong 1975; Lafortune & Willems 1994, eq. 7; Mihaylov 2013, §3.1.
+/// Error in f32: ≤ 7 + 5.5·n·(1/R·V − 1) ULP. Source: Phong 1975; Lafortune & Willems 1994, eq. 7; Mihaylov 2013, §3.1.
 #[inline]
 pub fn phong<R: Real>(wi: Vector<R>, wo: Vector<R>, exponent: R) -> R {
     // 1 − R·V = |R−V|²/2 with R = (−x, −y, z).
@@ -32,7 +32,7 @@ pub fn phong<R: Real>(wi: Vector<R>, wo: Vector<R>, exponent: R) -> R {
 /// In plain text: f = (n+2)(n+4)/(8π(n+2^(−n/2)))·NHⁿ, normalised to albedo 1 at normal incidence, where it is largest.
 /// `exponent` n ≥ 0. The widespread factor (n+8)/(8π) is not a normalisation: its albedo is 1.075 at n = 10.
 ///
-/// Error in f32: ≤ 12 + 8·|ln NHⁿ| ULP. Source: Blinn 1977; the factor: Gotanda 2010 ("Practical implementation at tri-Ace"), §2.
+/// Error in f32: ≤ 8 + 5.5·|ln NHⁿ| ULP. Source: Blinn 1977; the factor: Gotanda 2010 ("Practical implementation at tri-Ace"), §2.
 #[inline]
 pub fn blinn_phong<R: Real>(wi: Vector<R>, wo: Vector<R>, exponent: R) -> R {
     let lit = wi.z.gt(R::ZERO) & wo.z.gt(R::ZERO);

@@ -56,6 +56,7 @@ fn rounded_get<R: Real>(row: &Value, key: &str) -> R {
 }
 
 /// Compares `double` with the reference `want`, and `single` with `oracle`, the f64 value at the f32 inputs.
+#[expect(clippy::too_many_arguments, reason = "two precisions, each with its reference")]
 fn compare(section: &Section, row: &Value, what: &str, double: f64, want: f64, single: f32, oracle: f64, bound: f64) {
     let scale = want.abs().max(1e-25);
     assert!((double - want).abs() <= DOUBLE * scale, "{} {what}: {double:e}, want {want:e}\n{row}", section.name);
@@ -233,7 +234,15 @@ fn refraction_and_snell() {
     }
     let s = section("refract");
     for row in &s.rows {
-        let (w, _) = directions::<f64>(row);
+        let (w, wo) = directions::<f64>(row);
+        let m = (w + wo).normalized();
+        for (w, key) in [(w, "L_refr_half"), (wo, "V_refr_half")] {
+            let got = <[f64; 3]>::from(refraction::refract_about(w, m, number(row, "eta")));
+            let want = if row[key].is_null() { [0.0; 3] } else { vector::<f64>(&row[key]).into() };
+            let off = got.iter().zip(want).map(|(got, want)| (got - want).abs()).fold(0.0, f64::max);
+            // Components are sums of terms of the order of 1/η.
+            assert!(off <= DOUBLE, "{key}: {got:?} {want:?}\n{row}");
+        }
         let got = refraction::refract(w, number(row, "eta"));
         if row["L_refr_normal"].is_null() {
             assert_eq!(got.z, 0.0, "{row}");
@@ -310,7 +319,7 @@ fn reference_stack(layers: &Value, model: Model) -> Stack<f64, 1> {
 fn stacks_match_in_every_model() {
     let all = reference();
     let s = section("stack_values");
-    for (key, model) in [("elek", Model::Elek), ("physical", Model::Conserving)] {
+    for (key, model) in [("elek", Model::Elek), ("ww_half", Model::WeidlichWilkie), ("physical", Model::Conserving)] {
         for row in &s.rows {
             let stack = reference_stack(&all["stacks"][row["stack"].as_str().expect("a name")], model);
             let (wi, wo) = directions::<f64>(row);

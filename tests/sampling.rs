@@ -45,7 +45,10 @@ fn subjects() -> Vec<Subject> {
     let mut all = Vec::new();
     for (name, stack) in built_in.chain(corners) {
         if stack.layers().len() > 1 {
-            all.push(Subject { name: format!("{name} [elek]"), stack: stack.clone().with_model(Model::Elek) });
+            for model in Model::ALL.into_iter().filter(|model| *model != Model::Conserving) {
+                let name = format!("{name} [{}]", model.name());
+                all.push(Subject { name, stack: stack.clone().with_model(model) });
+            }
         }
         all.push(Subject { name, stack });
     }

@@ -8,7 +8,13 @@ const exp_limit: f32 = 87.0;
 const pi: f32 = 3.14159265358979324;
 
 fn beckmann(h: vec3f, alpha: f32) -> f32 {
-    return beckmann_anisotropic(h, alpha, alpha);
+    let z = select(1.0, h.z, h.z > 0.0);
+    let tan_squared = (h.x * h.x + h.y * h.y) / (z * z);
+    let alpha_squared = alpha * alpha;
+    let exponent = tan_squared / alpha_squared;
+    let inside = h.z > 0.0 && exponent <= exp_limit;
+    let power = exp(-select(0.0, exponent, inside));
+    return select(0.0, (1.0 + tan_squared) * (1.0 + tan_squared) * power / (pi * alpha_squared), inside);
 }
 
 fn beckmann_anisotropic(h: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
@@ -23,7 +29,11 @@ fn beckmann_anisotropic(h: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
 }
 
 fn ggx(h: vec3f, alpha: f32) -> f32 {
-    return ggx_anisotropic(h, alpha, alpha);
+    let z = select(1.0, h.z, h.z > 0.0);
+    let s = h.x * h.x + h.y * h.y;
+    let z_squared = z * z;
+    let ratio = alpha * (s + z_squared) / (s + alpha * alpha * z_squared);
+    return select(0.0, ratio * ratio / pi, h.z > 0.0);
 }
 
 fn ggx_anisotropic(h: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
@@ -35,7 +45,12 @@ fn ggx_anisotropic(h: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
 }
 
 fn blinn(h: vec3f, alpha: f32) -> f32 {
-    return blinn_anisotropic(h, alpha, alpha);
+    let z = select(1.0, h.z, h.z > 0.0);
+    let alpha_squared = alpha * alpha;
+    let half_exponent = (1.0 - alpha) * (1.0 + alpha) / alpha_squared;
+    let exponent = half_exponent * real::ln_one_plus((h.x * h.x + h.y * h.y) / (z * z));
+    let inside = h.z > 0.0 && exponent <= exp_limit;
+    return select(0.0, exp(-select(0.0, exponent, inside)) / (pi * alpha_squared), inside);
 }
 
 fn blinn_anisotropic(h: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {

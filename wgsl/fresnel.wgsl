@@ -21,11 +21,11 @@ fn dielectric(cos_i: f32, eta: f32) -> Fresnel {
     let root_p = eta_squared * c + g;
     let sum_p = select(root_p * root_p, 1.0, matched);
     let rs = one / sum_s;
-    // (eta²+1)c²-1, 0 at Brewster's angle; for eta < 1 from g².
-    let one_more = eta_squared + 1.0;
-    let inner = one_more * g_squared - eta_squared * eta_squared;
-    let brewster = select(one_more * c * c - 1.0, inner, eta < 1.0);
-    let rp = one * brewster / sum_p;
+    // (eta²c-g)(eta²c+g), which vanishes at Brewster's angle: for small eta that is close to the critical angle, where
+    // sum_p is small, while F is far from 0 and the difference itself exact enough.
+    let product = one * (eta_squared * c * c - (1.0 - c) * (1.0 + c));
+    let difference = (eta_squared * c - g) * (eta_squared * c + g);
+    let rp = select(product, difference, eta < 0.7) / sum_p;
     let transmittance = 2.0 * c * g * (1.0 / sum_s + eta_squared / sum_p);
     return Fresnel(
         select(0.5 * (rs * rs + rp * rp), 1.0, total),
@@ -36,9 +36,10 @@ fn dielectric(cos_i: f32, eta: f32) -> Fresnel {
 fn refracted_square(cos_i: f32, eta: f32) -> f32 {
     let c = real::product_exact(cos_i, cos_i);
     let e = real::product_exact(eta, eta);
-    let excess = real::sum_exact(e.x, -1.0);
-    let sum = real::sum_exact(c.x, excess.x);
-    return sum.x + (sum.y + excess.y + (c.y + e.y));
+    // Where the sum cancels, the larger square is in [1/2, 1]: both differences are exact there (Sterbenz).
+    let sum = (max(c.x, e.x) - 1.0) + min(c.x, e.x);
+    let fine = real::sum_exact(c.y, e.y);
+    return (sum + fine.x) + fine.y;
 }
 
 // Exact conductor with the relative index n + ik; k = 0 is a dielectric.
@@ -58,8 +59,10 @@ fn conductor(cos_i: f32, n: f32, k: f32) -> Fresnel {
     let square = (a + c) * (a + c) + b_squared;
     let matched = square <= 0.0;
     let sum = select(square, 1.0, matched);
-    // a-c without cancellation: (a-c)(a+c) = e_one+b².
-    let difference = (e_one + b_squared) / select(a + c, 1.0, matched);
+    // a-c without cancellation: (a-c)(a+c) = e_one+b². Where b >= a the quotient would magnify the rounding of b² at
+    // small a+c, and b² drowns what a-c loses.
+    let quotient = (e_one + b_squared) / select(1.0, a + c, above && !matched);
+    let difference = select(a - c, quotient, above);
     let s_squared = (1.0 - c) * (1.0 + c);
     let ac = a * c;
     let bc_squared = b_squared * c * c;
@@ -77,7 +80,9 @@ fn conductor_approx(cos_i: f32, n: f32, k: f32) -> f32 {
     let k_squared = k * k;
     let kc_squared = k_squared * c * c;
     let s = ((n - c) * (n - c) + k_squared) / ((n + c) * (n + c) + k_squared);
-    let p = ((n * c - 1.0) * (n * c - 1.0) + kc_squared) / ((n * c + 1.0) * (n * c + 1.0) + kc_squared);
+    // nc-1 without the rounding of nc: what is left to cancel is small beside s.
+    let difference = (n - 1.0) * c - (1.0 - c);
+    let p = (difference * difference + kc_squared) / ((n * c + 1.0) * (n * c + 1.0) + kc_squared);
     return 0.5 * (s + p);
 }
 

@@ -10,7 +10,7 @@ import package::absorption::transmittance;
 import package::diffuse;
 import package::fresnel;
 import package::microfacet::{cos_half, facets};
-import package::refraction::refract;
+import package::refraction::{refract, refract_about};
 
 const microfacet_interface: u32 = 0u;
 const diffuse_base: u32 = 1u;
@@ -67,6 +67,48 @@ fn elek_channel(first: u32, count: u32, channel: u32, wi: vec3f, wo: vec3f) -> f
         below_o = next_o;
         n_above = n;
         alpha_above = alpha;
+    }
+    return f;
+}
+
+// Weidlich and Wilkie's model: as elek, with refraction about the half vector, relative indices and own widths.
+fn weidlich_wilkie(first: u32, count: u32, wi: vec3f, wo: vec3f) -> vec3f {
+    return vec3f(
+        weidlich_wilkie_channel(first, count, 0u, wi, wo),
+        weidlich_wilkie_channel(first, count, 1u, wi, wo),
+        weidlich_wilkie_channel(first, count, 2u, wi, wo));
+}
+
+// One colour channel of weidlich_wilkie.
+fn weidlich_wilkie_channel(first: u32, count: u32, channel: u32, wi: vec3f, wo: vec3f) -> f32 {
+    var f = 0.0;
+    var weight = 1.0;
+    var below_i = wi;
+    var below_o = wo;
+    var n_above = 1.0;
+    for (var position = 0u; position < count; position++) {
+        let layer = stack_layer(first + position);
+        if layer.kind == diffuse_base {
+            return f + weight * _diffuse_reflection(layer, channel, below_i, below_o);
+        }
+        let eta = layer.n[channel] / n_above;
+        let rough = facets(below_i, below_o, layer.alpha);
+        let split = _interface_fresnel(cos_half(below_i, below_o), eta, layer.k[channel] / n_above);
+        f += weight * split.reflectance * rough.lobe;
+
+        let h = below_i + below_o;
+        let squared = dot(h, h);
+        let m = h * (1.0 / sqrt(select(1.0, squared, squared > 0.0)));
+        let next_i = refract_about(below_i, m, eta);
+        let next_o = refract_about(below_o, m, eta);
+        if min(next_i.z, next_o.z) <= 0.0 || min(below_i.z, below_o.z) <= 0.0 {
+            return f;
+        }
+        weight *= split.transmittance * internal_reflection(split.transmittance, rough.g)
+            * transmittance(layer.sigma[channel], layer.thickness, next_i.z, next_o.z);
+        below_i = next_i;
+        below_o = next_o;
+        n_above = layer.n[channel];
     }
     return f;
 }

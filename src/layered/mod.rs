@@ -15,7 +15,7 @@ use crate::frame::Vector;
 use crate::real::Real;
 use alloc::vec::Vec;
 pub use error::StackError;
-pub use model::{conserving, elek, internal_reflection};
+pub use model::{conserving, elek, internal_reflection, weidlich_wilkie};
 
 /// The widths that an interface may have.
 pub const ALPHA_RANGE: core::ops::RangeInclusive<f64> = 1e-4..=1.0;
@@ -112,6 +112,8 @@ impl<R: Real, const C: usize> Layer<R, C> {
 pub enum Model {
     /// The documents' model as printed, with normalised microfacets: [`elek`]. It gains energy, up to 2.8 times.
     Elek,
+    /// Refraction about the reflecting microfacet, relative indices: [`weidlich_wilkie`]. It gains energy, up to 1.8 times.
+    WeidlichWilkie,
     /// Full Fresnel transmittance of both directions and 1/n² compression: [`conserving`]. The default.
     #[default]
     Conserving,
@@ -119,12 +121,13 @@ pub enum Model {
 
 impl Model {
     /// Every model.
-    pub const ALL: [Model; 2] = [Model::Elek, Model::Conserving];
+    pub const ALL: [Model; 3] = [Model::Elek, Model::WeidlichWilkie, Model::Conserving];
 
     /// The name that stack files and the command line use.
     pub const fn name(self) -> &'static str {
         match self {
             Model::Elek => "elek",
+            Model::WeidlichWilkie => "weidlich_wilkie",
             Model::Conserving => "conserving",
         }
     }
@@ -177,6 +180,7 @@ impl<R: Real, const C: usize> Stack<R, C> {
         let (wi, wo) = (wi.into(), wo.into());
         match self.model {
             Model::Elek => elek(&self.layers, wi, wo),
+            Model::WeidlichWilkie => weidlich_wilkie(&self.layers, wi, wo),
             Model::Conserving => conserving(&self.layers, wi, wo),
         }
     }

@@ -74,10 +74,19 @@ pub struct Worst {
 ///
 /// Whatever stops the kernel from being built or run, by name of the function.
 pub fn compare(gpu: &Gpu, twin: &Twin, samples: usize) -> Result<Comparison, GpuError> {
+    compare_source(gpu, twin, &linked(twin)?, samples)
+}
+
+/// Compares any WGSL text in place of the twin's own: plain WGSL that declares the function under its linked name.
+///
+/// # Errors
+///
+/// Whatever stops the kernel from being built or run.
+pub fn compare_source(gpu: &Gpu, twin: &Twin, source: &str, samples: usize) -> Result<Comparison, GpuError> {
     let rows: Vec<Vec<f32>> = (0..samples as u64)
         .map(|index| (twin.sample)(&mut Draw::new(index)).into_iter().map(|value| value as f32).collect())
         .collect();
-    let outputs = map_twin(gpu, twin, &rows, layers())?;
+    let outputs = map_source(gpu, twin, source, &rows, layers())?;
     Ok(judge(twin, &twin.double, &twin.allowed, &rows, &outputs))
 }
 
@@ -130,11 +139,24 @@ pub struct Outputs {
 ///
 /// Whatever stops the kernel from being built or run, by name of the function.
 pub fn map_twin(gpu: &Gpu, twin: &Twin, rows: &[Vec<f32>], layers: &[Layer<f32, 3>]) -> Result<Outputs, GpuError> {
-    let link_failure =
-        |error: wgsl::LinkError| GpuError::Arguments { function: twin.function.to_owned(), reason: error.to_string() };
-    let source = wgsl::link_function(twin.module, twin.function).map_err(link_failure)?;
+    map_source(gpu, twin, &linked(twin)?, rows, layers)
+}
+
+/// The WGSL of a twin with all that it needs.
+fn linked(twin: &Twin) -> Result<String, GpuError> {
+    wgsl::link_function(twin.module, twin.function)
+        .map_err(|error| GpuError::Arguments { function: twin.function.to_owned(), reason: error.to_string() })
+}
+
+fn map_source(
+    gpu: &Gpu,
+    twin: &Twin,
+    source: &str,
+    rows: &[Vec<f32>],
+    layers: &[Layer<f32, 3>],
+) -> Result<Outputs, GpuError> {
     let bindings = source.contains("stack_layer(").then_some(STACK_BINDINGS);
-    let kernel = Kernel::new(gpu, &source, &wgsl::mangled(twin.module, twin.function), bindings)?;
+    let kernel = Kernel::new(gpu, source, &wgsl::mangled(twin.module, twin.function), bindings)?;
     let leaves = kernel.signature().inputs();
     let word = |(value, leaf): (&f32, &Leaf)| match leaf.scalar {
         Scalar::F32 => value.to_bits(),

@@ -312,6 +312,11 @@ pub fn twins() -> Vec<Twin> {
         twin!(refraction::cos_t / 2, |d| flat![d.cosine_and_ratio()], |a| [refraction::cos_t(a[0], a[1])]),
         twin!(refraction::refract / 2, |d| flat![d.direction(), d.ratio()], |a| coordinates(refraction::refract(at(a, 0), a[3]))),
 
+        twin!(refraction::refract_about / 3, |d| {
+            let [wi, wo] = d.pair(0.3);
+            flat![wi, (wi + wo).normalized(), d.ratio()]
+        }, |a| coordinates(refraction::refract_about(at(a, 0), at(a, 3), a[6]))),
+
         twin!(absorption::transmittance / 4, |d| flat![d.depth(), d.depth(), d.cosine(), d.cosine()],
             |a| [absorption::transmittance(a[0], a[1], a[2], a[3])]),
 
@@ -336,6 +341,10 @@ pub fn twins() -> Vec<Twin> {
         twin!(layered::elek / 4, stack_and_pair, |a| layered::elek(&stack_of(a[0], a[1]), at(a, 2), at(a, 5))),
         twin!(layered::elek_channel / 5, stack_channel_and_pair,
             |a| channel(layered::elek(&stack_of(a[0], a[1]), at(a, 3), at(a, 6)), a[2])),
+        twin!(layered::weidlich_wilkie / 4, stack_and_pair,
+            |a| layered::weidlich_wilkie(&stack_of(a[0], a[1]), at(a, 2), at(a, 5))),
+        twin!(layered::weidlich_wilkie_channel / 5, stack_channel_and_pair,
+            |a| channel(layered::weidlich_wilkie(&stack_of(a[0], a[1]), at(a, 3), at(a, 6)), a[2])),
         twin!(layered::conserving / 4, stack_and_pair, |a| layered::conserving(&stack_of(a[0], a[1]), at(a, 2), at(a, 5))),
         twin!(layered::conserving_channel / 5, stack_channel_and_pair,
             |a| channel(layered::conserving(&stack_of(a[0], a[1]), at(a, 3), at(a, 6)), a[2])),

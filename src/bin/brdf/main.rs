@@ -6,6 +6,7 @@ mod failure;
 mod list;
 mod material;
 mod parity;
+mod plot;
 mod term;
 
 use clap::{Parser, Subcommand};
@@ -30,6 +31,8 @@ enum Command {
     Check(check::Options),
     /// Compare the WGSL twins with the Rust functions on every adapter.
     Parity(parity::Options),
+    /// Draw a term as SVG.
+    Plot(plot::Options),
 }
 
 fn main() -> ExitCode {
@@ -39,6 +42,7 @@ fn main() -> ExitCode {
         Command::Eval(options) => eval::run(&options),
         Command::Check(options) => check::run(&options),
         Command::Parity(options) => parity::run(&options),
+        Command::Plot(options) => plot::run(&options),
     };
     match result {
         Ok(code) => code,

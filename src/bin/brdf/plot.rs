@@ -1,0 +1,167 @@
+//! `brdf plot`: pictures of terms, as SVG.
+
+use crate::failure::Failure;
+use brdf::fresnel;
+use brdf::material::metal;
+use clap::{Args, Subcommand};
+use plotters::prelude::*;
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// What `brdf plot` is asked for.
+#[derive(Args)]
+pub(crate) struct Options {
+    #[command(subcommand)]
+    picture: Picture,
+}
+
+#[derive(Subcommand)]
+enum Picture {
+    /// Fresnel reflectance against the angle: exact, and what approximations make of it.
+    Fresnel(FresnelOptions),
+}
+
+#[derive(Args)]
+struct FresnelOptions {
+    /// A metal of `brdf list`; its red channel is drawn.
+    #[arg(long, default_value = "chromium_elek")]
+    metal: String,
+    /// The index of the dielectric beside it.
+    #[arg(long, default_value_t = 1.5, value_parser = positive)]
+    n: f64,
+    /// Write here instead of to the standard output.
+    #[arg(long, short)]
+    output: Option<PathBuf>,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(n) if n > 0.0 && n.is_finite() => Ok(n),
+        _ => Err("must be a number greater than 0".to_owned()),
+    }
+}
+
+pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
+    let Picture::Fresnel(options) = &options.picture;
+    let metal = metal::by_name(&options.metal)
+        .ok_or_else(|| format!("--metal {}: no such metal; see `brdf list`", options.metal))?;
+    let picture =
+        fresnel_picture(metal, options.n).map_err(|error| format!("the picture could not be drawn: {error}"))?;
+    match &options.output {
+        Some(path) => {
+            std::fs::write(path, picture).map_err(|error| format!("{}: {error}", path.display()))?;
+        }
+        None => io::stdout().lock().write_all(picture.as_bytes())?,
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A curve: its label, its colour, its reflectance for a cosine.
+struct Curve<'a> {
+    label: &'static str,
+    colour: RGBColor,
+    reflectance: Box<dyn Fn(f64) -> f64 + 'a>,
+}
+
+// Okabe & Ito's palette, told apart by every kind of eye.
+const BLACK_LINE: RGBColor = RGBColor(0, 0, 0);
+const ORANGE: RGBColor = RGBColor(213, 94, 0);
+const BLUE_LINE: RGBColor = RGBColor(0, 114, 178);
+const GREEN_LINE: RGBColor = RGBColor(0, 158, 115);
+const PINK: RGBColor = RGBColor(204, 121, 167);
+
+fn fresnel_picture(metal: &metal::Metal, n: f64) -> Result<String, Box<dyn std::error::Error>> {
+    // Drawn at twice the size it is shown at: coordinates are whole numbers.
+    let mut svg = String::new();
+    {
+        let area = SVGBackend::with_string(&mut svg, (1920, 840)).into_drawing_area();
+        area.fill(&WHITE)?;
+        let (left, right) = area.split_horizontally(960);
+        let eta = n;
+        let f0 = fresnel::normal_incidence(eta, 0.0);
+        draw(
+            &left,
+            &format!("dielectric, n = {eta}"),
+            0.0..1.0,
+            vec![
+                curve("exact", BLACK_LINE, move |c| fresnel::dielectric(c, eta).reflectance),
+                curve("Schlick", ORANGE, move |c| fresnel::schlick(c, f0).reflectance),
+                curve("Mihaylov eq. 3.6", GREEN_LINE, move |c| fresnel::conductor_approx(c, eta, 0.0)),
+            ],
+        )?;
+        let (n, k) = (metal.n[0], metal.k[0]);
+        let fit = fresnel::lazanyi_fit(n, k);
+        let f0 = fresnel::normal_incidence(n, k);
+        // The tint that makes F82 exact at its own angle.
+        let c = 1.0 / 7.0;
+        let tint = fresnel::conductor(c, n, k).reflectance / fresnel::schlick(c, f0).reflectance;
+        let low = (0..=90).map(|i| fresnel::conductor(f64::from(i).to_radians().cos(), n, k).reflectance);
+        let low = (low.fold(1.0, f64::min) * 10.0 - 0.5).floor() / 10.0;
+        draw(
+            &right,
+            &format!("{}, red: n + ik = {n} + {k}i", metal.name),
+            low.max(0.0)..1.0,
+            vec![
+                curve("exact", BLACK_LINE, move |c| fresnel::conductor(c, n, k).reflectance),
+                curve("Lazányi, uncorrected", ORANGE, move |c| fresnel::lazanyi_uncorrected(c, n, k)),
+                curve("Lazányi, corrected", BLUE_LINE, move |c| fresnel::lazanyi(c, n, k, fit.a, fit.exponent)),
+                curve("Mihaylov eq. 3.6", GREEN_LINE, move |c| fresnel::conductor_approx(c, n, k)),
+                curve("F82-tint", PINK, move |c| fresnel::f82_tint(c, f0, tint)),
+            ],
+        )?;
+        area.present()?;
+    }
+    Ok(svg)
+}
+
+fn curve<'a>(label: &'static str, colour: RGBColor, reflectance: impl Fn(f64) -> f64 + 'a) -> Curve<'a> {
+    Curve { label, colour, reflectance: Box::new(reflectance) }
+}
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+
+fn draw(
+    area: &Area<'_>,
+    title: &str,
+    range: std::ops::Range<f64>,
+    curves: Vec<Curve<'_>>,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let mut chart = ChartBuilder::on(area)
+        .caption(title, ("sans-serif", 34))
+        .margin(24)
+        .x_label_area_size(80)
+        .y_label_area_size(100)
+        .build_cartesian_2d(0.0..90.0, range)?;
+    chart
+        .configure_mesh()
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(BLACK.mix(0.12))
+        .x_labels(10)
+        .x_label_formatter(&|degrees| format!("{degrees:.0}°"))
+        .y_label_formatter(&|reflectance| format!("{reflectance:.2}"))
+        .label_style(("sans-serif", 24))
+        .x_desc("angle of incidence")
+        .y_desc("reflectance F")
+        .draw()?;
+    for Curve { label, colour, reflectance } in curves {
+        let point = |i: i32| {
+            let degrees = f64::from(i) * 0.25;
+            (degrees, reflectance(degrees.to_radians().cos()))
+        };
+        let style = colour.stroke_width(4);
+        chart
+            .draw_series(LineSeries::new((0..=360).map(point), style))?
+            .label(label)
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 36, y)], style));
+    }
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperLeft)
+        .legend_area_size(48)
+        .margin(20)
+        .background_style(WHITE.mix(0.85))
+        .label_font(("sans-serif", 26))
+        .draw()?;
+    Ok(())
+}

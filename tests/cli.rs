@@ -1,0 +1,210 @@
+//! The command `brdf`, as a user meets it.
+#![cfg(feature = "cli")]
+
+use serde_json::Value;
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::{Command, Output, Stdio};
+
+fn brdf(arguments: &[&str], input: &str) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_brdf"))
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("brdf starts");
+    child.stdin.take().expect("a pipe").write_all(input.as_bytes()).expect("brdf reads its input");
+    child.wait_with_output().expect("brdf ends")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("UTF-8")
+}
+
+/// The one line that `brdf` ends with on bad input; drivers may have written before it.
+fn last_error(output: &Output) -> String {
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    text(&output.stderr).lines().rfind(|line| line.starts_with("brdf: ")).unwrap_or_default().to_owned()
+}
+
+/// A stack file in a folder of this test run.
+fn stack_file(name: &str, content: &str) -> String {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::write(&path, content).expect("a writable folder");
+    path.to_str().expect("a path in UTF-8").to_owned()
+}
+
+const CUPRITE_OVER_COPPER: &str = r#"
+name  = "Cu2O over Cu"
+model = "elek"
+[[layer]]
+interface = { conductor = { n = [2.83, 3.10, 3.06], k = [0.083, 0.19, 0.6] }, alpha = 0.1 }
+[[layer]]
+interface = { conductor = { n = [0.213, 1.04, 1.17], k = [4.05, 2.59, 2.36] }, alpha = 0.3 }
+"#;
+
+#[test]
+fn every_built_in_material_is_plausible() {
+    let output = brdf(&["check", "--no-twins", "--json"], "");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stdout));
+    let json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(json["verdict"], "PASS");
+    let reports = json["reports"].as_array().expect("a list");
+    assert_eq!(reports.len(), brdf::material::stack::built_in().len());
+    for report in reports {
+        let checks: Vec<_> = report["findings"].as_array().expect("a list").iter().map(|f| &f["check"]).collect();
+        for wanted in ["ENERGY", "RECIPROCITY", "FINITE", "SIGN"] {
+            assert!(checks.iter().any(|check| *check == wanted), "{wanted} in {report}");
+        }
+    }
+}
+
+#[test]
+fn the_documents_model_gains_energy_and_says_where() {
+    let file = stack_file("cuprite.toml", CUPRITE_OVER_COPPER);
+    let output = brdf(&["check", "--no-twins", &file], "");
+    let shown = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(1), "{shown}");
+    // Angles across, the red channel below them: 2.11 at 89.5°, as computed by an independent quadrature.
+    let mut lines = shown.lines().skip_while(|line| !line.contains("albedo [light fixed]"));
+    let angles: Vec<_> = lines.next().expect("a row of angles").split_whitespace().skip(3).collect();
+    let red: Vec<_> = lines.next().expect("the red channel").split_whitespace().skip(1).collect();
+    let at = angles.iter().position(|angle| *angle == "89.5°").expect("89.5° is judged");
+    assert!(red[at].starts_with("2.11"), "{shown}");
+    assert!(shown.contains("ENERGY") && shown.contains("[light fixed]"), "{shown}");
+
+    // The same layers conserve energy under the default model.
+    let output = brdf(&["check", "--no-twins", "--model", "conserving", &file], "");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stdout));
+}
+
+#[test]
+fn bad_stack_files_are_refused_with_file_line_and_key() {
+    let layer = |interface: &str| format!("model = \"conserving\"\n\n[[layer]]\ninterface = {interface}\n");
+    for (name, content, want) in [
+        (
+            "alpha.toml",
+            layer("{ dielectric = { n = 1.5 }, alpha = 2 }"),
+            "line 4, layer[0].interface.alpha: 2 is not allowed, it must be in [0.0001, 1]",
+        ),
+        (
+            "index.toml",
+            layer("{ dielectric = { n = 0 }, alpha = 0.1 }"),
+            "line 4, layer[0].interface.dielectric.n: 0 is not allowed, it must be greater than 0",
+        ),
+        (
+            "kappa.toml",
+            layer("{ conductor = { n = 1, k = -1 }, alpha = 0.1 }"),
+            "line 4, layer[0].interface.conductor.k: -1 is not allowed, it must be 0 or greater",
+        ),
+        ("nan.toml", layer("{ dielectric = { n = nan }, alpha = 0.1 }"), "it must be finite"),
+        (
+            "key.toml",
+            layer("{ dielectric = { n = 1.5 }, alhpa = 0.1 }"),
+            "unknown key, allowed: `dielectric`, `conductor`, `diffuse`, `alpha`",
+        ),
+        ("metal.toml", layer("{ conductor = { metal = \"mithril\" }, alpha = 0.1 }"), "copper"),
+        ("empty.toml", String::new(), "layer"),
+        ("model.toml", "model = \"phong\"\n".to_owned(), "line 1, model"),
+        ("broken.toml", "model = \n".to_owned(), "line 1"),
+    ] {
+        let file = stack_file(name, &content);
+        let error = last_error(&brdf(&["check", &file], ""));
+        assert!(error.contains(name) && error.contains(want), "{name}: {error}");
+    }
+    let error = last_error(&brdf(&["check", "no/such/file.toml"], ""));
+    assert!(error.contains("neither a built-in material") && error.contains("brdf list"), "{error}");
+}
+
+#[test]
+fn eval_answers_what_it_can() {
+    let input = concat!(
+        "{\"term\": \"fresnel.dielectric\", \"cos\": 1, \"eta\": 1.5, \"id\": 7}\n",
+        "not json\n",
+        "\n",
+        "{\"term\": \"fresnel.dielectric\", \"cos\": 3, \"eta\": 1.5}\n",
+        "{\"term\": \"refraction.refract\", \"w\": [0.8, 0, 0.6], \"eta\": 0.5}\n",
+    );
+    let output = brdf(&["eval"], input);
+    let error = last_error(&output);
+    assert!(error.contains("2 of 4 lines"), "{error}");
+    let errors = text(&output.stderr);
+    assert!(errors.contains("line 2: not a JSON object") && errors.contains("line 4: `cos` is 3"), "{errors}");
+    let rows: Vec<Value> = text(&output.stdout).lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    assert_eq!(rows.len(), 4);
+    assert_eq!(rows[0]["id"], 7);
+    assert!((rows[0]["F"].as_f64().expect("a number") - 0.04).abs() < 1e-15);
+    assert!(rows[2]["error"].as_str().is_some_and(|error| error.contains("[0, 1]")), "{}", rows[2]);
+    assert!(rows[3]["w"].is_null(), "total reflection: {}", rows[3]);
+}
+
+#[test]
+fn eval_takes_stacks_by_name_file_and_inline() {
+    let file = stack_file("inline.toml", CUPRITE_OVER_COPPER);
+    let directions = "\"wi\": [0.6, 0, 0.8], \"wo\": [-0.28, 0, 0.96]";
+    let inline = r#"{"layer": [
+        {"interface": {"conductor": {"n": [2.83, 3.10, 3.06], "k": [0.083, 0.19, 0.6]}, "alpha": 0.1}},
+        {"interface": {"conductor": {"n": [0.213, 1.04, 1.17], "k": [4.05, 2.59, 2.36]}, "alpha": 0.3}}]}"#
+        .replace('\n', " ");
+    let input = format!(
+        "{{\"term\": \"stack\", \"stack\": \"{file}\", {directions}}}\n\
+         {{\"term\": \"stack\", \"stack\": {inline}, \"model\": \"elek\", {directions}}}\n\
+         {{\"term\": \"stack\", \"stack\": \"copper\", {directions}}}\n"
+    );
+    let output = brdf(&["eval"], &input);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let rows: Vec<Value> = text(&output.stdout).lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    assert_eq!(rows[0]["f"], rows[1]["f"]);
+    assert_eq!(rows[2]["f"].as_array().map(Vec::len), Some(3));
+}
+
+#[test]
+fn the_twins_answer_as_the_rust_functions_do() {
+    if brdf::gpu::policy() == brdf::gpu::Policy::Off {
+        eprintln!("SKIPPED: the_twins_answer_as_the_rust_functions_do: BRDF_GPU=off");
+        return;
+    }
+    let input = "{\"term\": \"fresnel.conductor\", \"cos\": 0.5, \"n\": 0.2, \"k\": 3.9}\n\
+                 {\"term\": \"stack\", \"stack\": \"varnished_concrete\", \"wi\": [0.6, 0, 0.8], \"wo\": [-0.28, 0, 0.96]}\n";
+    let rows = |mode: &str| -> Vec<Value> {
+        let output = brdf(&["eval", "--as", mode], input);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        text(&output.stdout).lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
+    };
+    let (double, single, gpu) = (rows("f64"), rows("f32"), rows("gpu"));
+    for others in [&single, &gpu] {
+        let pairs = [(&double[0]["F"], &others[0]["F"]), (&double[1]["f"][2], &others[1]["f"][2])];
+        for (want, got) in pairs {
+            let (want, got) = (want.as_f64().expect("a number"), got.as_f64().expect("a number"));
+            // The inputs themselves are rounded to f32 (2⁻²⁴), and no term here magnifies that more than 50 times.
+            assert!((got / want - 1.0).abs() < 50.0 * f64::from(f32::EPSILON), "{want} {got}");
+        }
+    }
+}
+
+#[test]
+fn parity_names_an_adapter_that_is_not_there() {
+    let error = last_error(&brdf(&["parity", "--adapter", "voodoo 9000"], ""));
+    assert!(error.contains("voodoo 9000"), "{error}");
+    assert!(error.contains("mesa-vulkan-drivers"), "{error}");
+    let error = last_error(&brdf(&["parity", "--function", "magic"], ""));
+    assert!(error.contains("magic"), "{error}");
+}
+
+#[test]
+fn plots_are_pictures_or_clear_errors() {
+    let output = brdf(&["plot", "fresnel", "--metal", "gold"], "");
+    assert_eq!(output.status.code(), Some(0));
+    assert!(text(&output.stdout).starts_with("<svg"));
+    let error = last_error(&brdf(&["plot", "fresnel", "--metal", "mithril"], ""));
+    assert!(error.contains("mithril") && error.contains("brdf list"), "{error}");
+}
+
+#[test]
+fn listing_is_json_too() {
+    let output = brdf(&["list", "--json"], "");
+    let json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert!(json["terms"].as_array().is_some_and(|terms| terms.len() > 20));
+    assert!(text(&brdf(&["list"], "").stdout).contains("clear_coat_over_copper"));
+}

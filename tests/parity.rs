@@ -1,0 +1,92 @@
+//! The WGSL twins against the Rust functions, on every adapter.
+#![cfg(feature = "gpu")]
+
+mod adapters;
+
+use adapters::adapters_for_tests;
+use brdf::parity::{compare, compare_source, compare_stack, twins};
+use brdf::wgsl;
+
+/// Inputs per function: a quarter of them corners.
+const SAMPLES: usize = 4_000;
+
+#[test]
+fn every_public_wgsl_function_has_a_twin_of_its_arity() {
+    let twins = twins();
+    for function in wgsl::functions() {
+        let twin = twins.iter().find(|twin| (twin.module, twin.function) == (function.module, function.name));
+        let Some(twin) = twin else { panic!("{}::{} has no row in the parity table", function.module, function.name) };
+        assert_eq!(twin.arity, function.parameters, "{}::{}", function.module, function.name);
+    }
+    for twin in &twins {
+        let exists = wgsl::functions().any(|f| (f.module, f.name) == (twin.module, twin.function));
+        assert!(exists, "{}::{} is in the parity table but not in WGSL", twin.module, twin.function);
+    }
+}
+
+#[test]
+fn twins_agree_on_every_adapter() {
+    for gpu in adapters_for_tests() {
+        for twin in twins() {
+            let name = format!("{}::{} on {}", twin.module, twin.function, gpu.info());
+            let result = compare(&gpu, &twin, SAMPLES).unwrap_or_else(|error| panic!("{name}: {error}"));
+            assert!(result.agrees(), "{name}: {result:#?}");
+            // The rules may be silent where a comparison they leave open guards a division: at the horizon below
+            // refracting layers. Elsewhere they must not be.
+            let silent = result.unbounded as f64 / (SAMPLES * 3) as f64;
+            let limit = if ["layered", "sampling"].contains(&twin.module) { 0.01 } else { 0.0 };
+            assert!(silent <= limit, "{name}: {} unbounded", result.unbounded);
+        }
+    }
+}
+
+#[test]
+fn built_in_stacks_agree_under_every_model() {
+    use brdf::layered::Model;
+    for gpu in adapters_for_tests() {
+        for material in brdf::material::stack::built_in() {
+            for model in Model::ALL {
+                let stack = material.stack.cast::<f32>().with_model(model);
+                let result = compare_stack(&gpu, &stack, 1_000).expect("a kernel that runs");
+                assert!(result.agrees(), "{} {model:?} on {}: {result:#?}", material.name, gpu.info());
+            }
+        }
+    }
+}
+
+/// A table that a broken twin passes would prove nothing: one sign or digit is changed in the text of a twin at a time.
+#[test]
+fn a_broken_twin_differs() {
+    let faults = [
+        ("fresnel", "conductor", "- k * k", "+ k * k"),
+        ("fresnel", "dielectric", "g * (1.0 / sum_s", "g * (1.0 / sum_p"),
+        ("fresnel", "lazanyi", "- a * cos_i * power", "+ a * cos_i * power"),
+        ("distribution", "beckmann", "-select(0.0, exponent", "-0.99999 * select(0.0, exponent"),
+        ("masking", "v_cavity", "max(2.0 * select", "min(2.0 * select"),
+        ("masking", "smith_beckmann", "0.56418958354775628695", "0.56419458354775628695"),
+        ("diffuse", "oren_nayar", "1.0 - 0.5 * variance", "1.0 + 0.5 * variance"),
+        ("refraction", "refract", "w.y / eta", "w.y * eta"),
+        ("absorption", "transmittance", "1.0 / select(cos_i", "-1.0 / select(cos_i"),
+        ("phong", "phong", "wi.x + wo.x", "wi.x - wo.x"),
+        ("layered", "conserving", "/ (eta * eta)", "/ eta"),
+        ("layered", "elek", "(1.0 - g) + transmitted", "(1.0 - g) - transmitted"),
+        ("sampling", "sample", "rest -= share", "rest += share"),
+        ("sampling", "pdf", "wi.z / (lobe.n", "wi.z * (lobe.n"),
+        ("sampling", "reflect_visible", "+ y * wo.y", "- y * wo.y"),
+        ("real", "unit_circle", "vec2f(-s, c)", "vec2f(s, c)"),
+        ("patina", "patina_extent", "3.0 - 2.0 * t", "3.0 + 2.0 * t"),
+        ("real", "ln_one_plus", "1.0 / 3.0", "0.3333"),
+        ("real", "angle", "0.199980752811", "0.199981752811"),
+    ];
+    for gpu in adapters_for_tests() {
+        for (module, function, right, wrong) in faults {
+            let twin = twins().into_iter().find(|twin| (twin.module, twin.function) == (module, function));
+            let twin = twin.unwrap_or_else(|| panic!("{module}::{function} is in the table"));
+            let source = wgsl::link_function(module, function).expect("a library function links");
+            assert!(source.contains(right), "{module}::{function} contains `{right}`:\n{source}");
+            let result = compare_source(&gpu, &twin, &source.replacen(right, wrong, 1), SAMPLES);
+            let result = result.unwrap_or_else(|error| panic!("{module}::{function}: {error}"));
+            assert!(!result.agrees(), "{module}::{function} with `{wrong}` passes on {}", gpu.info());
+        }
+    }
+}
