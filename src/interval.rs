@@ -224,6 +224,7 @@ impl Real for WgslInterval {
     const TWO: Self = WgslInterval { low: 2.0, high: 2.0 };
     // The two f32 next to each constant.
     const PI: Self = WgslInterval { low: 3.141_592_5, high: 3.141_592_8 };
+    #[allow(clippy::approx_constant)]
     const FRAC_1_PI: Self = WgslInterval { low: 0.318_309_86, high: 0.318_309_9 };
     const EPSILON: Self = WgslInterval { low: ULP, high: ULP };
     const EXP_LIMIT: Self = WgslInterval { low: 87.0, high: 87.0 };

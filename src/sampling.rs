@@ -33,8 +33,9 @@
 //! Interface k is chosen with the probability ¾·e_k/Σe + ¼·s_k/Σs. The estimate e_k is what the interface reflects of
 //! the view if light came along the mirror direction: F_k(V_k)·Π T_j(V_j)²·a_j(V_j)², or the albedo of a base, a 1/n² of
 //! it. The safe weight s_k is what no direction of light can exceed, as the Fresnel terms are largest at one end of the angles
-//! that the view allows, and no light loses less than one that comes along the normal. The model `elek` keeps its own books:
-//! its transmittances are those at V·H, at most 1, and it compresses nothing (n_k² more). Each takes the largest of the channels; where
+//! that the view allows, and no light loses less than one that comes along the normal. The documents' models keep their own books:
+//! their transmittances are those at V·H, at most 1, and nothing is compressed (n_k² more). `weidlich_wilkie` refracts about the
+//! facet and keeps its half vector, so its lobes are sampled at the top. Each takes the largest of the channels; where
 //! an interface that light passes disperses, each channel has lobes of its own, and all of them share one mixture.
 //!
 //! Under a coat a rough lobe loses samples to total reflection. As many as that, if the lobe is wide enough for it to help, are drawn
@@ -84,7 +85,7 @@ impl<R: Real, const C: usize> Stack<R, C> {
     /// sample counts as 0. See [`sample`].
     #[inline]
     pub fn sample(&self, wo: impl Into<Vector<R>>, u: [R; 3]) -> Option<Sample<R>> {
-        sample(self.layers(), self.model() == Model::Elek, wo.into(), u)
+        sample(self.layers(), self.model(), wo.into(), u)
     }
 
     /// The density in sr⁻¹ with which [`Stack::sample`] draws `wi` for the view `wo`.
@@ -92,14 +93,13 @@ impl<R: Real, const C: usize> Stack<R, C> {
     /// 0 where either is at or below the horizon. See [`pdf`].
     #[inline]
     pub fn pdf(&self, wi: impl Into<Vector<R>>, wo: impl Into<Vector<R>>) -> R {
-        pdf(self.layers(), self.model() == Model::Elek, wi.into(), wo.into())
+        pdf(self.layers(), self.model(), wi.into(), wo.into())
     }
 }
 
 /// A direction `wi` for a view of a stack, drawn about in proportion to f·cos, and its density.
 ///
-/// * `layers` from the top. `elek`: for the model of that name, whose layers are no smoother than the ones above
-///   and lose nothing to compression; false for all others.
+/// * `layers` from the top; `model` that evaluates them.
 /// * `wo`: a local unit vector. `u`: three independent numbers, uniform in [0, 1). The first chooses the interface, and is
 ///   used up to its last digits.
 ///
@@ -108,11 +108,11 @@ impl<R: Real, const C: usize> Stack<R, C> {
 #[inline]
 pub fn sample<R: Real, const C: usize>(
     layers: &[Layer<R, C>],
-    elek: bool,
+    model: Model,
     wo: Vector<R>,
     u: [R; 3],
 ) -> Option<Sample<R>> {
-    let drawn = draw(layers, elek, wo, u);
+    let drawn = draw(layers, model, wo, u);
     drawn.pdf.gt(R::ZERO).all().then_some(drawn)
 }
 
@@ -124,13 +124,13 @@ pub fn sample<R: Real, const C: usize>(
 ///
 /// The integral over `wi` is ≤ 1. 0 where a cosine is ≤ 0; finite elsewhere. Not reciprocal.
 #[inline]
-pub fn pdf<R: Real, const C: usize>(layers: &[Layer<R, C>], elek: bool, wi: Vector<R>, wo: Vector<R>) -> R {
+pub fn pdf<R: Real, const C: usize>(layers: &[Layer<R, C>], model: Model, wi: Vector<R>, wo: Vector<R>) -> R {
     let lit = wi.z.gt(R::ZERO) & wo.z.gt(R::ZERO);
     if !lit.any() {
         return R::ZERO;
     }
     let (mut total, mut density) = (Weights::none(), Weights::none());
-    visit(layers, elek, wo, |lobe| {
+    visit(layers, model, wo, |lobe| {
         let p = lobe.density(wi);
         total = total.plus(lobe.weights, R::ONE);
         density = density.plus(lobe.weights, p);
@@ -140,10 +140,10 @@ pub fn pdf<R: Real, const C: usize>(layers: &[Layer<R, C>], elek: bool, wi: Vect
 
 /// What f·cos/pdf is bounded by, up to the factor [`WEIGHT_BOUND`]: Σs of the view `wo`, at most 1 for each interface (n²
 /// for `elek`) and, where channels disperse, for each channel.
-pub fn ceiling<R: Real, const C: usize>(layers: &[Layer<R, C>], elek: bool, wo: Vector<R>) -> R {
+pub fn ceiling<R: Real, const C: usize>(layers: &[Layer<R, C>], model: Model, wo: Vector<R>) -> R {
     let mut total = Weights::none();
     if wo.z.gt(R::ZERO).any() {
-        visit(layers, elek, wo, |lobe| total = total.plus(lobe.weights, R::ONE));
+        visit(layers, model, wo, |lobe| total = total.plus(lobe.weights, R::ONE));
     }
     total.safe
 }
@@ -208,16 +208,21 @@ pub fn uniform_hemisphere<R: Real>(u: [R; 2]) -> Vector<R> {
 }
 
 /// [`sample`], with density 0 where there is none: what the twin returns.
-pub(crate) fn draw<R: Real, const C: usize>(layers: &[Layer<R, C>], elek: bool, wo: Vector<R>, u: [R; 3]) -> Sample<R> {
+pub(crate) fn draw<R: Real, const C: usize>(
+    layers: &[Layer<R, C>],
+    model: Model,
+    wo: Vector<R>,
+    u: [R; 3],
+) -> Sample<R> {
     let mut wi = Vector::default();
     if !wo.z.gt(R::ZERO).any() {
         return Sample { wi, pdf: R::ZERO };
     }
     let mut total = Weights::none();
-    visit(layers, elek, wo, |lobe| total = total.plus(lobe.weights, R::ONE));
+    visit(layers, model, wo, |lobe| total = total.plus(lobe.weights, R::ONE));
     let mut rest = below_one(u[0]);
     let mut pending = R::ZERO.le(R::ZERO);
-    visit(layers, elek, wo, |lobe| {
+    visit(layers, model, wo, |lobe| {
         let share = total.share(lobe.weights);
         let chosen = pending & rest.lt(share);
         if chosen.any() {
@@ -230,7 +235,7 @@ pub(crate) fn draw<R: Real, const C: usize>(layers: &[Layer<R, C>], elek: bool, 
         rest = rest - share;
     });
     let lit = wi.z.gt(R::ZERO);
-    let pdf = pdf(layers, elek, wi, wo);
+    let pdf = pdf(layers, model, wi, wo);
     let found = lit & pdf.gt(R::ZERO);
     let keep = |x: R| R::select(found, x, R::ZERO);
     Sample { wi: Vector::new(keep(wi.x), keep(wi.y), keep(wi.z)), pdf: keep(pdf) }
@@ -331,13 +336,13 @@ fn passes<R: Real>(w: Vector<R>, least: R) -> R::Mask {
 
 /// Calls `each` for every lobe of a view, all channels together while they share their directions, else one by one.
 #[inline(always)]
-fn visit<R: Real, const C: usize>(layers: &[Layer<R, C>], elek: bool, wo: Vector<R>, mut each: impl FnMut(&Lobe<R>)) {
+fn visit<R: Real, const C: usize>(layers: &[Layer<R, C>], model: Model, wo: Vector<R>, mut each: impl FnMut(&Lobe<R>)) {
     if disperses(layers) {
         for channel in 0..C {
-            descend::<R, C, 1>(layers, channel, elek, wo, &mut each);
+            descend::<R, C, 1>(layers, channel, model, wo, &mut each);
         }
     } else {
-        descend::<R, C, C>(layers, 0, elek, wo, &mut each);
+        descend::<R, C, C>(layers, 0, model, wo, &mut each);
     }
 }
 
@@ -346,10 +351,13 @@ fn visit<R: Real, const C: usize>(layers: &[Layer<R, C>], elek: bool, wo: Vector
 fn descend<R: Real, const C: usize, const K: usize>(
     layers: &[Layer<R, C>],
     first: usize,
-    elek: bool,
+    model: Model,
     wo: Vector<R>,
     each: &mut impl FnMut(&Lobe<R>),
 ) {
+    let (elek, about_facets) = (model == Model::Elek, model == Model::WeidlichWilkie);
+    let printed = elek | about_facets;
+    let always = R::ZERO.le(R::ZERO);
     // What is left at the interface: of the view and light along the mirror direction; of the view and any light, at most.
     let (mut mirrored, mut most) = ([R::ONE; K], [R::ONE; K]);
     let (mut view, mut n_above, mut least, mut alpha_above) = (wo, R::ONE, R::ONE, R::ZERO);
@@ -358,12 +366,13 @@ fn descend<R: Real, const C: usize, const K: usize>(
         let (n, k, alpha) = match &layer.interface {
             Interface::Microfacet { n, k, alpha } => (n, k, if elek { alpha.max(alpha_above) } else { *alpha }),
             Interface::Diffuse { albedo, sigma } => {
-                let scale = if elek { R::ONE } else { R::ONE / (n_above * n_above) };
+                let scale = if printed { R::ONE } else { R::ONE / (n_above * n_above) };
                 for (most, albedo) in most.iter().zip(&albedo[first..]) {
                     weights.safe = weights.safe.max(scale * *most * *albedo);
                 }
                 weights.estimate = weights.safe;
-                each(&Lobe { weights, shape: Shape::Diffuse { uniform: slanted(view, *sigma) } });
+                let uniform = slanted(if about_facets { wo } else { view }, *sigma);
+                each(&Lobe { weights, shape: Shape::Diffuse { uniform } });
                 return;
             }
         };
@@ -380,25 +389,30 @@ fn descend<R: Real, const C: usize, const K: usize>(
             weights.estimate = weights.estimate.max(scale * mirrored[channel] * split.reflectance);
             weights.safe = weights.safe.max(scale * most[channel] * split.reflectance.max(end));
             mirrored[channel] = mirrored[channel] * split.transmittance.squared();
-            most[channel] = if elek { most[channel] } else { most[channel] * split.transmittance };
+            most[channel] = if printed { most[channel] } else { most[channel] * split.transmittance };
         }
-        let top = position == 0;
-        let spread = if top { R::ZERO } else { spread(view, alpha, n_above, least) };
-        each(&Lobe { weights, shape: Shape::Facets { view, alpha, n: n_above, least, top, spread } });
+        let shape = if position == 0 || about_facets {
+            Shape::Facets { view: wo, alpha, n: R::ONE, least: R::ONE, top: true, spread: R::ZERO }
+        } else {
+            Shape::Facets { view, alpha, n: n_above, least, top: false, spread: spread(view, alpha, n_above, least) }
+        };
+        each(&Lobe { weights, shape });
         if last {
             return;
         }
         (n_above, alpha_above, least) = (through, alpha, least.min(through));
         view = refract(wo, n_above);
-        let reaches = passes(wo, least) & view.z.gt(R::ZERO);
+        let reaches = if about_facets { always } else { passes(wo, least) & view.z.gt(R::ZERO) };
         if !reaches.any() {
             return;
         }
         let (sigma, thickness) = (&layer.medium.sigma[first..], layer.medium.thickness);
+        // Refracted about a facet, the view may come down steeper.
+        let steepest = if about_facets { R::ONE } else { view.z };
         for channel in 0..K {
-            let absorbed = |cos: R| absorption::transmittance(sigma[channel], thickness, view.z, cos);
-            mirrored[channel] = R::select(reaches, mirrored[channel] * absorbed(view.z), R::ZERO);
-            most[channel] = R::select(reaches, most[channel] * absorbed(R::ONE), R::ZERO);
+            let absorbed = |a: R, b: R| absorption::transmittance(sigma[channel], thickness, a, b);
+            mirrored[channel] = R::select(reaches, mirrored[channel] * absorbed(view.z, view.z), R::ZERO);
+            most[channel] = R::select(reaches, most[channel] * absorbed(steepest, R::ONE), R::ZERO);
         }
     }
 }

@@ -468,7 +468,7 @@ fn weights_are_bounded() {
         let (stack, wo) = (&subject.stack, view(theta));
         let mut random = Random::new(seed);
         let ours = estimate(4000, || weight(stack, wo, random.triple()));
-        let share = ours.largest / ceiling(stack.layers(), stack.model() == Model::Elek, wo);
+        let share = ours.largest / ceiling(stack.layers(), stack.model(), wo);
         assert!(share < WEIGHT_BOUND, "{} at {theta}°: {} is {share} times the ceiling", subject.name, ours.largest);
         // Against the cosine at 45°, the relative standard deviation of one sample.
         let spread = (theta == 45.0).then(|| {

@@ -4,7 +4,7 @@
 //
 //     fn stack_layer(index: u32) -> layered::Layer
 //
-// A stack is `count` layers from `first` on, listed from the top. `elek` is true for the model of that name alone.
+// A stack is `count` layers from `first` on, listed from the top. `model` is one of the three constants.
 
 import package::absorption::transmittance;
 import package::distribution::beckmann;
@@ -19,6 +19,11 @@ struct Sample {
     // In sr⁻¹; 0 where there is no sample, which counts as 0.
     pdf: f32,
 }
+
+// The models of the module layered, as samples know them.
+const conserving: u32 = 0u;
+const weidlich_wilkie: u32 = 1u;
+const elek: u32 = 2u;
 
 const frac_pi: f32 = 0.318309886183790672;
 
@@ -40,6 +45,8 @@ struct _Lobe {
     layer: layered::Layer,
     // Refracted down to the interface, into the medium of index n; least is the smallest index above, 1 included.
     view: vec3f,
+    // What the lobe is drawn about: the view, at the top the one outside.
+    drawn: vec3f,
     alpha: f32,
     n: f32,
     least: f32,
@@ -52,11 +59,11 @@ struct _Lobe {
 }
 
 // A direction wi for a view of a stack, drawn about in proportion to f·cos; u are three numbers in [0, 1).
-fn sample(first: u32, count: u32, elek: bool, wo: vec3f, u: vec3f) -> Sample {
+fn sample(first: u32, count: u32, model: u32, wo: vec3f, u: vec3f) -> Sample {
     if wo.z <= 0.0 {
         return Sample(vec3f(0.0, 0.0, 0.0), 0.0);
     }
-    let total = _total(first, count, elek, wo);
+    let total = _total(first, count, model, wo);
     var rest = _inside(u.x);
     var wi = vec3f(0.0, 0.0, 0.0);
     var pending = true;
@@ -64,7 +71,7 @@ fn sample(first: u32, count: u32, elek: bool, wo: vec3f, u: vec3f) -> Sample {
     for (var channel = 0u; channel < passes && pending; channel++) {
         var lobe = _start(wo);
         for (var position = 0u; position < count; position++) {
-            lobe = _descend(lobe, first, position, channel, passes, elek, wo);
+            lobe = _descend(lobe, first, position, channel, passes, model, wo);
             if !lobe.exists {
                 break;
             }
@@ -77,13 +84,13 @@ fn sample(first: u32, count: u32, elek: bool, wo: vec3f, u: vec3f) -> Sample {
             rest -= share;
         }
     }
-    let density = pdf(first, count, elek, wi, wo);
+    let density = pdf(first, count, model, wi, wo);
     let found = wi.z > 0.0 && density > 0.0;
     return Sample(select(vec3f(0.0, 0.0, 0.0), wi, found), select(0.0, density, found));
 }
 
 // The density in sr⁻¹ with which sample draws wi for the view wo.
-fn pdf(first: u32, count: u32, elek: bool, wi: vec3f, wo: vec3f) -> f32 {
+fn pdf(first: u32, count: u32, model: u32, wi: vec3f, wo: vec3f) -> f32 {
     if min(wi.z, wo.z) <= 0.0 {
         return 0.0;
     }
@@ -93,7 +100,7 @@ fn pdf(first: u32, count: u32, elek: bool, wi: vec3f, wo: vec3f) -> f32 {
     for (var channel = 0u; channel < passes; channel++) {
         var lobe = _start(wo);
         for (var position = 0u; position < count; position++) {
-            lobe = _descend(lobe, first, position, channel, passes, elek, wo);
+            lobe = _descend(lobe, first, position, channel, passes, model, wo);
             if !lobe.exists {
                 break;
             }
@@ -105,11 +112,11 @@ fn pdf(first: u32, count: u32, elek: bool, wi: vec3f, wo: vec3f) -> f32 {
 }
 
 // What f·cos/pdf is bounded by, up to the factor WEIGHT_BOUND = 11.
-fn ceiling(first: u32, count: u32, elek: bool, wo: vec3f) -> f32 {
+fn ceiling(first: u32, count: u32, model: u32, wo: vec3f) -> f32 {
     if wo.z <= 0.0 {
         return 0.0;
     }
-    return _total(first, count, elek, wo).safe;
+    return _total(first, count, model, wo).safe;
 }
 
 // A direction that Beckmann's facets reflect wo to, drawn from the normals that wo sees of V-cavities.
@@ -150,13 +157,13 @@ fn uniform_hemisphere(u: vec2f) -> vec3f {
 }
 
 // The sums of the weights of all lobes.
-fn _total(first: u32, count: u32, elek: bool, wo: vec3f) -> _Weights {
+fn _total(first: u32, count: u32, model: u32, wo: vec3f) -> _Weights {
     var total = _Weights(0.0, 0.0);
     let passes = _passes_through(first, count);
     for (var channel = 0u; channel < passes; channel++) {
         var lobe = _start(wo);
         for (var position = 0u; position < count; position++) {
-            lobe = _descend(lobe, first, position, channel, passes, elek, wo);
+            lobe = _descend(lobe, first, position, channel, passes, model, wo);
             if !lobe.exists {
                 break;
             }
@@ -190,7 +197,9 @@ fn _start(wo: vec3f) -> _Lobe {
 }
 
 // The lobe of the interface at a position, from the one above it. All channels in one pass, or the named one of three passes.
-fn _descend(above: _Lobe, first: u32, position: u32, channel: u32, passes: u32, elek: bool, wo: vec3f) -> _Lobe {
+fn _descend(above: _Lobe, first: u32, position: u32, channel: u32, passes: u32, model: u32, wo: vec3f) -> _Lobe {
+    let about_facets = model == weidlich_wilkie;
+    let printed = model != conserving;
     var lobe = above;
     if position > 0u {
         if above.layer.kind == layered::diffuse_base {
@@ -200,15 +209,16 @@ fn _descend(above: _Lobe, first: u32, position: u32, channel: u32, passes: u32, 
         lobe.n = above.layer.n[channel];
         lobe.least = min(above.least, lobe.n);
         lobe.view = refract(wo, lobe.n);
-        if !_gets_through(wo, lobe.least) || lobe.view.z <= 0.0 {
+        if !about_facets && (!_gets_through(wo, lobe.least) || lobe.view.z <= 0.0) {
             lobe.exists = false;
             return lobe;
         }
     }
     let layer = stack_layer(first + position);
     lobe.layer = layer;
-    lobe.top = position == 0u;
-    lobe.alpha = select(layer.alpha, max(layer.alpha, above.alpha), elek);
+    lobe.top = position == 0u || about_facets;
+    lobe.drawn = select(lobe.view, wo, lobe.top);
+    lobe.alpha = select(layer.alpha, max(layer.alpha, above.alpha), model == elek);
     // The half vector with light at the opposite horizon is the farthest from the view.
     let sine = sqrt(lobe.view.x * lobe.view.x + lobe.view.y * lobe.view.y);
     let widest = lobe.view.z * sqrt(0.5 / (1.0 + sine));
@@ -221,15 +231,15 @@ fn _descend(above: _Lobe, first: u32, position: u32, channel: u32, passes: u32, 
             // The medium above and what its interface lets through.
             let medium = above.layer;
             lobe.mirrored[i] *= transmittance(medium.sigma[i], medium.thickness, lobe.view.z, lobe.view.z);
-            lobe.most[i] *= transmittance(medium.sigma[i], medium.thickness, lobe.view.z, 1.0);
+            lobe.most[i] *= transmittance(medium.sigma[i], medium.thickness, select(lobe.view.z, 1.0, about_facets), 1.0);
         }
         if layer.kind == layered::diffuse_base {
-            let scale = select(1.0 / (lobe.n * lobe.n), 1.0, elek);
+            let scale = select(1.0 / (lobe.n * lobe.n), 1.0, printed);
             lobe.weights.safe = max(lobe.weights.safe, scale * lobe.most[i] * layer.albedo[i]);
             lobe.weights.estimate = lobe.weights.safe;
         } else {
-            let scale = select(1.0, lobe.n * lobe.n, elek);
-            let divisor = select(lobe.n, 1.0, elek);
+            let scale = select(1.0, lobe.n * lobe.n, model == elek);
+            let divisor = select(lobe.n, 1.0, model == elek);
             let eta = layer.n[i] / divisor;
             let k = layer.k[i] / divisor;
             let split = layered::_interface_fresnel(lobe.view.z, eta, k);
@@ -237,7 +247,7 @@ fn _descend(above: _Lobe, first: u32, position: u32, channel: u32, passes: u32, 
             lobe.weights.estimate = max(lobe.weights.estimate, scale * lobe.mirrored[i] * split.reflectance);
             lobe.weights.safe = max(lobe.weights.safe, scale * lobe.most[i] * max(split.reflectance, end));
             lobe.mirrored[i] *= split.transmittance * split.transmittance;
-            lobe.most[i] *= select(split.transmittance, 1.0, elek);
+            lobe.most[i] *= select(split.transmittance, 1.0, printed);
         }
     }
     return lobe;
@@ -250,7 +260,7 @@ fn _density(lobe: _Lobe, wi: vec3f) -> f32 {
         return frac_pi * ((1.0 - uniformly) * wi.z + 0.5 * uniformly);
     }
     if lobe.top {
-        return reflect_visible_pdf(wi, lobe.view, lobe.alpha);
+        return reflect_visible_pdf(wi, lobe.drawn, lobe.alpha);
     }
     let spread = _spread(lobe);
     let light = refract(wi, lobe.n);
@@ -270,7 +280,7 @@ fn _reflect(lobe: _Lobe, u: vec3f) -> vec3f {
         return cosine_hemisphere(u.yz);
     }
     if lobe.top {
-        return reflect_visible(lobe.view, lobe.alpha, u);
+        return reflect_visible(lobe.drawn, lobe.alpha, u);
     }
     let spread = _spread(lobe);
     if u.x < spread {
@@ -287,7 +297,7 @@ fn _reflect(lobe: _Lobe, u: vec3f) -> vec3f {
 // The share of a base's samples that is drawn uniformly.
 fn _slanted(lobe: _Lobe) -> f32 {
     let variance = lobe.layer.deviation * lobe.layer.deviation;
-    return 0.45 * variance / (variance + 0.09) * (lobe.view.x * lobe.view.x + lobe.view.y * lobe.view.y);
+    return 0.45 * variance / (variance + 0.09) * (lobe.drawn.x * lobe.drawn.x + lobe.drawn.y * lobe.drawn.y);
 }
 
 // The share of a lower interface's samples that is drawn from the cosine: about what of its lobe is reflected totally on the

@@ -3,7 +3,7 @@
 use super::draw::Draw;
 use crate::frame::Vector;
 use crate::interval::WgslInterval;
-use crate::layered::{self, Interface, Layer};
+use crate::layered::{self, Interface, Layer, Model};
 use crate::material::{patina, stack::built_in};
 use crate::real::Real;
 use crate::{absorption, diffuse, distribution, fresnel, masking, microfacet, phong, refraction, sampling};
@@ -151,21 +151,21 @@ fn stack_channel_and_pair(d: &mut Draw) -> Vec<f64> {
     arguments
 }
 
-/// As [`stack_and_pair`], under either of the rules that sampling knows.
-fn stack_rule_and_pair(d: &mut Draw) -> Vec<f64> {
+/// As [`stack_and_pair`], under any of the models that sampling knows.
+fn stack_model_and_pair(d: &mut Draw) -> Vec<f64> {
     let mut arguments = stack_and_pair(d);
-    arguments.insert(2, d.unit().round());
+    arguments.insert(2, (3.0 * d.unit()).floor());
     arguments
 }
 
-fn stack_rule_and_view(d: &mut Draw) -> Vec<f64> {
-    let mut arguments = stack_rule_and_pair(d);
+fn stack_model_and_view(d: &mut Draw) -> Vec<f64> {
+    let mut arguments = stack_model_and_pair(d);
     arguments.truncate(6);
     arguments
 }
 
 fn stack_view_and_numbers(d: &mut Draw) -> Vec<f64> {
-    let mut arguments = stack_rule_and_view(d);
+    let mut arguments = stack_model_and_view(d);
     arguments.extend(numbers(d));
     arguments
 }
@@ -175,9 +175,9 @@ fn numbers(d: &mut Draw) -> [f64; 3] {
     [d.number(), d.number(), d.number()]
 }
 
-/// Whether an argument that stands for a bool is true.
-fn is_true<R: Real>(argument: R) -> bool {
-    argument.to_f64() != 0.0
+/// The model that the constants of `wgsl/sampling.wgsl` name.
+fn model<R: Real>(argument: R) -> Model {
+    [Model::Conserving, Model::WeidlichWilkie, Model::Elek][argument.to_f64() as usize]
 }
 
 fn pick_stack(d: &mut Draw) -> (usize, usize) {
@@ -185,9 +185,12 @@ fn pick_stack(d: &mut Draw) -> (usize, usize) {
     all[((d.unit() * all.len() as f64) as usize).min(all.len() - 1)]
 }
 
+/// Layers, and where each stack lies in them: its first layer and length.
+type StackTable = (Vec<Layer<f32, 3>>, Vec<(usize, usize)>);
+
 /// The layers that the twins of stacks read, and where each stack lies in them.
-fn stack_table() -> &'static (Vec<Layer<f32, 3>>, Vec<(usize, usize)>) {
-    static TABLE: OnceLock<(Vec<Layer<f32, 3>>, Vec<(usize, usize)>)> = OnceLock::new();
+fn stack_table() -> &'static StackTable {
+    static TABLE: OnceLock<StackTable> = OnceLock::new();
     TABLE.get_or_init(|| {
         let (mut layers, mut ranges) = (Vec::new(), Vec::new());
         let built_in = built_in();
@@ -350,13 +353,13 @@ pub fn twins() -> Vec<Twin> {
             |a| channel(layered::conserving(&stack_of(a[0], a[1]), at(a, 3), at(a, 6)), a[2])),
 
         twin!(sampling::sample / 5, stack_view_and_numbers, |a| {
-            let drawn = sampling::draw(&stack_of(a[0], a[1]), is_true(a[2]), at(a, 3), [a[6], a[7], a[8]]);
+            let drawn = sampling::draw(&stack_of(a[0], a[1]), model(a[2]), at(a, 3), [a[6], a[7], a[8]]);
             [drawn.wi.x, drawn.wi.y, drawn.wi.z, drawn.pdf]
         }),
-        twin!(sampling::pdf / 5, stack_rule_and_pair,
-            |a| [sampling::pdf(&stack_of(a[0], a[1]), is_true(a[2]), at(a, 3), at(a, 6))]),
-        twin!(sampling::ceiling / 4, stack_rule_and_view,
-            |a| [sampling::ceiling(&stack_of(a[0], a[1]), is_true(a[2]), at(a, 3))]),
+        twin!(sampling::pdf / 5, stack_model_and_pair,
+            |a| [sampling::pdf(&stack_of(a[0], a[1]), model(a[2]), at(a, 3), at(a, 6))]),
+        twin!(sampling::ceiling / 4, stack_model_and_view,
+            |a| [sampling::ceiling(&stack_of(a[0], a[1]), model(a[2]), at(a, 3))]),
         twin!(sampling::reflect_visible / 3, |d| flat![d.direction(), d.width(), numbers(d)],
             |a| coordinates(sampling::reflect_visible(at(a, 0), a[3], [a[4], a[5], a[6]]))),
         twin!(sampling::reflect_visible_pdf / 3, |d| { let width = d.width(); flat![d.pair(width), width] },
