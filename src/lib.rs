@@ -19,8 +19,8 @@
 //! # From a direction to radiance
 //!
 //! [`real`] and [`frame`] are the numbers and directions; [`fresnel`], [`distribution`], [`masking`], [`diffuse`],
-//! [`refraction`], [`absorption`] and [`phong`] are the terms; [`microfacet`] and [`layered`] are whole BRDFs;
-//! [`material`] holds measured data. [`wgsl`] holds the WGSL twin of each of these functions under the same name.
+//! [`refraction`], [`absorption`] and [`phong`] are the terms; [`microfacet`] and [`layered`] are whole BRDFs,
+//! [`sampling`] draws directions for them; [`material`] holds measured data. [`wgsl`] holds the WGSL twin of each of these functions under the same name.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -48,6 +48,7 @@ pub mod parity;
 pub mod phong;
 pub mod real;
 pub mod refraction;
+pub mod sampling;
 #[cfg(feature = "shader")]
 pub mod shader;
 pub mod wgsl;

@@ -5,7 +5,8 @@
 //! that the same source serves numbers whose comparisons have more than one answer (lanes, intervals).
 //!
 //! WGSL has no accurate `log(1+x)`, no usable arc functions and no complementary error function; `wgsl/real.wgsl`
-//! supplies [`Real::ln_one_plus`], [`Real::angle`], [`Real::erfcx`] and [`Real::exp_product`] under the same names.
+//! supplies [`Real::ln_one_plus`], [`Real::angle`], [`Real::erfcx`], [`Real::exp_product`] and [`Real::unit_circle`] under the
+//! same names.
 
 use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
@@ -129,6 +130,11 @@ pub trait Real:
     ///
     /// `s.angle(c)` is asin(s) and acos(c) at once, accurate at both ends. 0 where both sides are 0.
     fn angle(self, adjacent: Self) -> Self;
+    /// The cosine and sine of `self` turns, cos 2πx and sin 2πx; x in [0, 1], clamped there.
+    ///
+    /// A quarter turn is split off exactly and the rest, at most an eighth, goes through Taylor's polynomials. Error ≤ 3 ULP
+    /// of each result; exactly (1, 0), (0, 1), (−1, 0) and (0, −1) at the quarters. NaN counts as 0.
+    fn unit_circle(self) -> (Self, Self);
     /// The scaled complementary error function exp(x²)·erfc(x), x ≥ 0. 1 at 0, falls to 1/(x√π). Error in f32: ≤ 7 ULP.
     fn erfcx(self) -> Self;
     /// exp(−a·b), with the rounding error of the product a·b carried into the result; a, b ≥ 0.
@@ -274,6 +280,11 @@ impl Real for f32 {
     fn erfcx(self) -> Self {
         erfcx_chebyshev(self, &ERFCX_SINGLE)
     }
+    #[inline(always)]
+    fn unit_circle(self) -> (Self, Self) {
+        let (quarter, rest) = quarter_turns(f64::from(self));
+        circle(quarter, rest as f32, &SINE.map(|c| c as f32)[..5], &COSINE.map(|c| c as f32)[..6])
+    }
 }
 
 impl Real for f64 {
@@ -305,6 +316,11 @@ impl Real for f64 {
     #[inline(always)]
     fn erfcx(self) -> Self {
         erfcx_chebyshev(self, &ERFCX)
+    }
+    #[inline(always)]
+    fn unit_circle(self) -> (Self, Self) {
+        let (quarter, rest) = quarter_turns(self);
+        circle(quarter, rest, &SINE, &COSINE)
     }
 }
 
@@ -364,6 +380,55 @@ fn erfcx_chebyshev<R: Real>(x: R, coefficients: &[R]) -> R {
     (u * b1 - b2 + coefficients[0]) / (R::ONE + R::TWO * x)
 }
 
+/// The Taylor coefficients (−1)ʲ(π/2)²ʲ⁺¹/(2j+1)! of sin(πr/2)/r in r². On |r| ≤ 1/2 nine leave an error below 1e-19 of
+/// the sine, the first five one of 2.5e-9.
+const SINE: [f64; 9] = [
+    core::f64::consts::FRAC_PI_2,
+    -0.645_964_097_506_246_253_66,
+    0.079_692_626_246_167_045_121,
+    -0.004_681_754_135_318_688_100_7,
+    0.000_160_441_184_787_359_821_87,
+    -3.598_843_235_212_085_340_5e-6,
+    5.692_172_921_967_926_811_8e-8,
+    -6.688_035_109_811_467_232_5e-10,
+    6.066_935_731_106_195_667_1e-12,
+];
+
+/// The Taylor coefficients (−1)ʲ(π/2)²ʲ/(2j)! of cos(πr/2) in r². Nine leave an error below 3e-18, the first six 1.2e-10.
+const COSINE: [f64; 9] = [
+    1.0,
+    -1.233_700_550_136_169_827_4,
+    0.253_669_507_901_048_013_64,
+    -0.020_863_480_763_352_960_873,
+    0.000_919_260_274_839_426_580_24,
+    -0.000_025_202_042_373_060_605_481,
+    4.710_874_778_818_171_503_7e-7,
+    -6.386_603_083_791_852_241_1e-9,
+    6.565_963_114_979_472_362_2e-11,
+];
+
+/// The nearest quarter to a turn in [0, 1], and what is left of the turn in quarters, in [−1/2, 1/2]: both exact.
+#[inline(always)]
+fn quarter_turns(turn: f64) -> (u32, f64) {
+    let quarters = 4.0 * turn.saturate();
+    let nearest = (quarters + 0.5) as u32;
+    (nearest, quarters - f64::from(nearest))
+}
+
+/// cos and sin of a quarter turn and a rest, from the series of the rest.
+#[inline(always)]
+fn circle<R: Real>(quarter: u32, rest: R, sine: &[R], cosine: &[R]) -> (R, R) {
+    let square = rest * rest;
+    let horner = |series: &[R]| series.iter().rev().fold(R::ZERO, |sum, c| sum * square + *c);
+    let (c, s) = (horner(cosine), rest * horner(sine));
+    match quarter & 3 {
+        0 => (c, s),
+        1 => (-s, c),
+        2 => (-c, -s),
+        _ => (s, -c),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -397,6 +462,37 @@ mod tests {
             assert!((f64::from(single) / want - 1.0).abs() < 6e-7, "{x}: {single} {want}");
         }
         assert_eq!(f64::erfcx(f64::INFINITY), 0.0);
+    }
+
+    #[test]
+    fn unit_circle_is_the_cosine_and_sine() {
+        for i in 0..=40_000 {
+            let turn = f64::from(i) / 40_000.0;
+            let single = turn as f32;
+            for (got, ulp, turn) in [
+                (turn.unit_circle(), f64::EPSILON, turn),
+                (
+                    (f64::from(single.unit_circle().0), f64::from(single.unit_circle().1)),
+                    f64::from(f32::EPSILON),
+                    f64::from(single),
+                ),
+            ] {
+                // The angle within its octant, where the library's functions are accurate.
+                let (quarter, rest) = quarter_turns(turn);
+                let (s, c) = (core::f64::consts::FRAC_PI_2 * rest).sin_cos();
+                let want = [(c, s), (-s, c), (-c, -s), (s, -c)][quarter as usize & 3];
+                for (got, want) in [(got.0, want.0), (got.1, want.1)] {
+                    assert!((got - want).abs() <= 3.0 * ulp * want.abs(), "{turn}: {got} {want}");
+                }
+            }
+        }
+        for (turn, want) in
+            [(0.0, (1.0, 0.0)), (0.25, (0.0, 1.0)), (0.5, (-1.0, 0.0)), (0.75, (0.0, -1.0)), (1.0, (1.0, 0.0))]
+        {
+            assert_eq!(f64::unit_circle(turn), want);
+        }
+        assert_eq!(f64::NAN.unit_circle(), (1.0, 0.0));
+        assert_eq!(f32::MAX.unit_circle(), (1.0, 0.0));
     }
 
     #[test]

@@ -68,3 +68,18 @@ fn exp_product(a: f32, b: f32) -> f32 {
     let value = exp(-p.x);
     return select(0.0, value - value * p.y, inside);
 }
+
+// cos and sin of a number of turns in [0, 1], clamped there. A quarter turn is split off exactly; the rest r, at most half a
+// quarter, goes through the Taylor polynomials of sin(r·pi/2)/r and cos(r·pi/2) in r², errors 2.5e-9 and 1.2e-10.
+fn unit_circle(turn: f32) -> vec2f {
+    let quarters = 4.0 * clamp(turn, 0.0, 1.0);
+    let nearest = u32(quarters + 0.5);
+    let r = quarters - f32(nearest);
+    let z = r * r;
+    let s = r * (1.57079632679489662 + z * (-0.645964097506246254 + z * (0.0796926262461670451
+        + z * (-0.00468175413531868810 + z * 0.000160441184787359822))));
+    let c = 1.0 + z * (-1.23370055013616983 + z * (0.253669507901048014 + z * (-0.0208634807633529609
+        + z * (0.000919260274839426580 + z * -0.0000252020423730606055))));
+    let turned = select(vec2f(c, s), vec2f(-s, c), (nearest & 1u) == 1u);
+    return select(turned, -turned, (nearest & 2u) == 2u);
+}

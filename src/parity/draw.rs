@@ -97,6 +97,10 @@ impl Draw {
     pub fn fraction(&mut self) -> f64 {
         self.linear(0.0, 1.0, &[0.0, 1.0, 0.5, 0.04, 1e-4])
     }
+    /// A number in [0, 1) as samplers take it.
+    pub fn number(&mut self) -> f64 {
+        self.linear(0.0, 1.0 - 2f64.powi(-24), &[0.0, 0.25, 0.5, 0.999_999, 1e-6])
+    }
     /// A slope deviation in [0, π/2].
     pub fn deviation(&mut self) -> f64 {
         self.linear(0.0, std::f64::consts::FRAC_PI_2, &[0.0, 0.2, 0.5, 1.0, 1.57])

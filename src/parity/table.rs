@@ -3,10 +3,10 @@
 use super::draw::Draw;
 use crate::frame::Vector;
 use crate::interval::WgslInterval;
-use crate::layered::{self, Interface, Layer};
+use crate::layered::{self, Interface, Layer, Model};
 use crate::material::{patina, stack::built_in};
 use crate::real::Real;
-use crate::{absorption, diffuse, distribution, fresnel, masking, microfacet, phong, refraction};
+use crate::{absorption, diffuse, distribution, fresnel, masking, microfacet, phong, refraction, sampling};
 use std::sync::OnceLock;
 
 /// How a twin's results are judged.
@@ -151,6 +151,35 @@ fn stack_channel_and_pair(d: &mut Draw) -> Vec<f64> {
     arguments
 }
 
+/// As [`stack_and_pair`], under any of the models that sampling knows.
+fn stack_model_and_pair(d: &mut Draw) -> Vec<f64> {
+    let mut arguments = stack_and_pair(d);
+    arguments.insert(2, (3.0 * d.unit()).floor());
+    arguments
+}
+
+fn stack_model_and_view(d: &mut Draw) -> Vec<f64> {
+    let mut arguments = stack_model_and_pair(d);
+    arguments.truncate(6);
+    arguments
+}
+
+fn stack_view_and_numbers(d: &mut Draw) -> Vec<f64> {
+    let mut arguments = stack_model_and_view(d);
+    arguments.extend(numbers(d));
+    arguments
+}
+
+/// What a sample is made of.
+fn numbers(d: &mut Draw) -> [f64; 3] {
+    [d.number(), d.number(), d.number()]
+}
+
+/// The model that the constants of `wgsl/sampling.wgsl` name.
+fn model<R: Real>(argument: R) -> Model {
+    [Model::Conserving, Model::WeidlichWilkie, Model::Elek][argument.to_f64() as usize]
+}
+
 fn pick_stack(d: &mut Draw) -> (usize, usize) {
     let all = stacks();
     all[((d.unit() * all.len() as f64) as usize).min(all.len() - 1)]
@@ -228,6 +257,10 @@ pub fn twins() -> Vec<Twin> {
         twin!(real::angle / 2, |d| { let c = d.cosine(); flat![((1.0 - c) * (1.0 + c)).sqrt(), c] }, |a| [a[0].angle(a[1])]),
         twin!(real::erfcx / 1, |d| flat![d.positive()], |a| [a[0].erfcx()]),
         twin!(real::exp_product / 2, |d| flat![d.depth(), d.depth()], |a| [a[0].exp_product(a[1])]),
+        twin!(real::unit_circle / 1, |d| flat![d.fraction()], |a| {
+            let (cosine, sine) = a[0].unit_circle();
+            [cosine, sine]
+        }),
 
         twin!(fresnel::dielectric / 2, |d| flat![d.cosine_and_ratio()], |a| split(fresnel::dielectric(a[0], a[1]))),
         twin!(fresnel::refracted_square / 2, |d| flat![d.cosine_and_ratio()], |a| [fresnel::refracted_square(a[0], a[1])]),
@@ -320,6 +353,23 @@ pub fn twins() -> Vec<Twin> {
         twin!(layered::conserving / 4, stack_and_pair, |a| layered::conserving(&stack_of(a[0], a[1]), at(a, 2), at(a, 5))),
         twin!(layered::conserving_channel / 5, stack_channel_and_pair,
             |a| channel(layered::conserving(&stack_of(a[0], a[1]), at(a, 3), at(a, 6)), a[2])),
+
+        twin!(sampling::sample / 5, stack_view_and_numbers, |a| {
+            let drawn = sampling::draw(&stack_of(a[0], a[1]), model(a[2]), at(a, 3), [a[6], a[7], a[8]]);
+            [drawn.wi.x, drawn.wi.y, drawn.wi.z, drawn.pdf]
+        }),
+        twin!(sampling::pdf / 5, stack_model_and_pair,
+            |a| [sampling::pdf(&stack_of(a[0], a[1]), model(a[2]), at(a, 3), at(a, 6))]),
+        twin!(sampling::ceiling / 4, stack_model_and_view,
+            |a| [sampling::ceiling(&stack_of(a[0], a[1]), model(a[2]), at(a, 3))]),
+        twin!(sampling::reflect_visible / 3, |d| flat![d.direction(), d.width(), numbers(d)],
+            |a| coordinates(sampling::reflect_visible(at(a, 0), a[3], [a[4], a[5], a[6]]))),
+        twin!(sampling::reflect_visible_pdf / 3, |d| { let width = d.width(); flat![d.pair(width), width] },
+            |a| [sampling::reflect_visible_pdf(at(a, 0), at(a, 3), a[6])]),
+        twin!(sampling::cosine_hemisphere / 1, |d| flat![d.number(), d.number()],
+            |a| coordinates(sampling::cosine_hemisphere([a[0], a[1]]))),
+        twin!(sampling::uniform_hemisphere / 1, |d| flat![d.number(), d.number()],
+            |a| coordinates(sampling::uniform_hemisphere([a[0], a[1]]))),
 
         twin!(patina::patina_extent / 3, |d| flat![d.between(-1.0, 2.0), d.fraction(), d.fraction()],
             |a| [patina::patina_extent(a[0], a[1], a[2])]),

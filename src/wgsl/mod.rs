@@ -64,7 +64,7 @@ macro_rules! modules {
 #[rustfmt::skip]
 pub const MODULES: &[(&str, &str)] = modules![
     "absorption", "diffuse", "distribution", "fresnel", "layered", "masking", "microfacet", "patina", "phong", "real",
-    "refraction",
+    "refraction", "sampling",
 ];
 
 /// The text of one module, as written: with its imports.
