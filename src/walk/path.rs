@@ -67,11 +67,7 @@ pub(super) fn transmitted<R: Real<Mask = bool>, const K: usize>(
                     Technique::NextEvent => R::ZERO,
                     _ => kernel.density,
                 };
-                let known = match technique {
-                    Technique::OuterDensity => top.kernel(facets, light.direction, wi, Way::Transmission).density,
-                    _ => light.density,
-                };
-                let share = power_share(known, rival);
+                let share = power_share(light.density, rival);
                 let arriving = absorbed(product(weight, light.weight), &interfaces[0].depth, light.direction.z);
                 add(&mut sum, product(arriving, kernel.value), share);
             }
