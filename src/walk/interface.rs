@@ -22,11 +22,12 @@ pub(super) struct Interface<R, const K: usize> {
 
 #[derive(Clone, Copy, Debug)]
 enum Kind<R, const K: usize> {
-    /// Relative indices n + iκ, and the width.
+    /// Relative indices n + iκ, the width that walks take, and the width as given.
     Microfacet {
         n: [R; K],
         k: [R; K],
         alpha: R,
+        exact_alpha: R,
     },
     Diffuse {
         albedo: [R; K],
@@ -86,7 +87,8 @@ impl<R: Real<Mask = bool>, const K: usize> Interface<R, K> {
                     n_below = n_above * (R::ONE + R::TWO * R::EPSILON.sqrt());
                 }
                 let (n, k) = (pick(n).map(|n| n / n_above), pick(k).map(|k| k / n_above));
-                Interface { kind: Kind::Microfacet { n, k, alpha: *alpha }, n_above, n_below, depth }
+                let (alpha, exact_alpha) = (alpha.max(least_alpha()), *alpha);
+                Interface { kind: Kind::Microfacet { n, k, alpha, exact_alpha }, n_above, n_below, depth }
             }
             layered::Interface::Diffuse { albedo, sigma } => {
                 let kind = Kind::Diffuse { albedo: pick(albedo), sigma: *sigma };
@@ -111,6 +113,15 @@ impl<R: Real<Mask = bool>, const K: usize> Interface<R, K> {
         })
     }
 
+    /// The interface with its width as given, for the reflection that no walk samples.
+    pub(super) fn exact(&self) -> Self {
+        let mut exact = *self;
+        if let Kind::Microfacet { alpha, exact_alpha, .. } = &mut exact.kind {
+            *alpha = *exact_alpha;
+        }
+        exact
+    }
+
     /// The kernel f̂ of the directions `a` and `b`, both away from the interface, and the density of `b` given `a`.
     #[inline]
     pub(super) fn kernel(&self, facets: Microsurface, a: Vector<R>, b: Vector<R>, way: Way) -> Kernel<R, K> {
@@ -127,7 +138,7 @@ impl<R: Real<Mask = bool>, const K: usize> Interface<R, K> {
                 let scale = R::ONE / (n_a * n_a);
                 Kernel { value: albedo.map(|albedo| base.f(albedo) * scale), density: b.z * R::FRAC_1_PI }
             }
-            Kind::Microfacet { n, k, alpha } if reflects => {
+            Kind::Microfacet { n, k, alpha, .. } if reflects => {
                 let pair = facets.reflection(a, b, *alpha);
                 let split = self.fresnel(n, k, pair.cos_a, below);
                 let scale = pair.lobe / (n_a * n_a);
@@ -138,7 +149,7 @@ impl<R: Real<Mask = bool>, const K: usize> Interface<R, K> {
                 };
                 Kernel { value: split.map(|split| split.reflectance * scale), density: choice * pair.density }
             }
-            Kind::Microfacet { n, k, alpha } => {
+            Kind::Microfacet { n, k, alpha, .. } => {
                 let pair = facets.transmission(a, b, n_a, n_b, *alpha);
                 if pair.density.le(R::ZERO) {
                     return Kernel::NONE;
@@ -171,7 +182,7 @@ impl<R: Real<Mask = bool>, const K: usize> Interface<R, K> {
                 let weight = albedo.map(|albedo| R::PI * base.f(albedo));
                 Step { direction: b, weight, density: b.z * R::FRAC_1_PI }
             }
-            Kind::Microfacet { n, k, alpha } => {
+            Kind::Microfacet { n, k, alpha, .. } => {
                 let m = facets.normal(a, *alpha, [u[0], u[1], u[2]]);
                 let cos_a = a.dot(m);
                 if cos_a.le(R::ZERO) {
@@ -211,6 +222,14 @@ impl<R: Real<Mask = bool>, const K: usize> Interface<R, K> {
         let any = step.weight.iter().any(|weight| weight.gt(R::ZERO));
         any.then(|| Step { direction: seen_from(below, step.direction), ..step })
     }
+}
+
+/// The smallest width that a walk takes: 0 in f64, 1e-3 in f32.
+///
+/// The normal of a refraction n_a·a + n_b·b, of length about |n_b−n_a|, carries a rounding error of about 2ε: at
+/// |n_b−n_a| = .5 in f32 5e-7 of a slope, half a thousandth of this width.
+fn least_alpha<R: Real<Mask = bool>>() -> R {
+    if R::EPSILON.gt(R::from_f64(1e-10)) { R::from_f64(1e-3) } else { R::ZERO }
 }
 
 /// The chance with which a walk takes the reflection: the mean reflectance of its channels.

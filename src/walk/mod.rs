@@ -39,12 +39,15 @@
 //! Twin of [`sample()`]: `wgsl/walk.wgsl`.
 
 mod estimate;
-pub mod facets;
+mod facets;
 mod interface;
 mod path;
 pub mod random;
 
-pub use facets::{Microsurface, Pair, reflection, transmission, visible_normal};
+pub use facets::{
+    Microsurface, Pair, circle, reflected, reflection, refracted, refracting_normal, transmission, visible_normal,
+    visible_part,
+};
 
 use crate::frame::Vector;
 use crate::layered::{Interface, Layer, Stack};

@@ -24,7 +24,7 @@ pub(super) fn first_reflection<R: Real<Mask = bool>, const K: usize>(
         return [R::ZERO; K];
     }
     let Some(top) = stack.all.first() else { return [R::ZERO; K] };
-    let value = top.kernel(facets, wo, wi, Way::Reflection).value;
+    let value = top.exact().kernel(facets, wo, wi, Way::Reflection).value;
     absorbed(absorbed(value, &stack.above, wi.z), &stack.above, wo.z)
 }
 
