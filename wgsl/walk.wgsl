@@ -226,7 +226,7 @@ fn _interface(first: u32, count: u32, channel: u32, at: u32) -> _Interface {
     var found = _Interface();
     var n_above = 1.0;
     for (var position = 0u; position < count; position++) {
-        let layer = stack_layer(first + position);
+        let layer: layered::Layer = stack_layer(first + position);
         let microfacets = layer.kind == layered::microfacet_interface;
         let own = layer.n[channel];
         let same = abs(own / n_above - 1.0) < matched_below;
