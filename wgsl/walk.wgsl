@@ -36,12 +36,18 @@ const matched_below: f32 = 3.4526698e-4;
 const longest: u32 = 4096u;
 const roulette_from: u32 = 4u;
 const spared: f32 = 0.25;
+// Ratios of densities are told apart up to here; the product of two of their squares is finite.
+const largest_root: f32 = 1e9;
 
 const both_ways: u32 = 0u;
 const reflection_only: u32 = 1u;
 const transmission_only: u32 = 2u;
 
 // The f of one walk in one channel, in 1/sr; their mean is the BRDF.
+//
+// A path ends with a reflection at some interface k and transmissions up through k-1, ..., 0. It is found in k+1 ways, one
+// for each interface at which the walk from the viewer may be connected to one from the light; with the densities l(m) and
+// v(m) of its direction in medium m, p(j)/p(j-1) = l(j)/v(j), which is all that the power heuristic needs.
 fn sample(first: u32, count: u32, channel: u32, wi: vec3f, wo: vec3f, seed: u32, index: u32) -> f32 {
     if wi.z <= 0.0 || wo.z <= 0.0 || count == 0u {
         return 0.0;
@@ -53,7 +59,7 @@ fn sample(first: u32, count: u32, channel: u32, wi: vec3f, wo: vec3f, seed: u32,
         return sum;
     }
     let last = top.count - 1u;
-    let entry = _sample_from(top, wo, transmission_only, random(seed, index, 0u));
+    let entry = _sample_from(top, wo, transmission_only, _draw(seed, index, 0u, 0u));
     if entry.weight <= 0.0 {
         return sum;
     }
@@ -62,52 +68,113 @@ fn sample(first: u32, count: u32, channel: u32, wi: vec3f, wo: vec3f, seed: u32,
     var depth = top.depth;
     // Medium j lies under interface j-1.
     var medium = 1u;
+    // v of the direction that the walk goes in, and 1 + the sum of (p(i)/p(j))² over the ways that connect below.
+    var density = 0.0;
+    var tail = 1.0;
     for (var step = 1u; step < longest; step++) {
         weight *= _absorbed(depth, direction.z);
-        let at = select(medium - 1u, medium, direction.z < 0.0);
+        let upward = direction.z > 0.0;
+        let at = select(medium, medium - 1u, upward);
         let way = select(both_ways, reflection_only, at == 0u || at == last);
         let here = _interface(first, count, channel, at);
-        let numbers = random(seed, index, 2u * step);
+        let a = -direction;
 
-        // Next event: a direction that the light refracts into, connected through this interface.
-        if at == 1u {
-            let light = _sample_from(top, wi, transmission_only, numbers);
+        if at > 0u {
+            let light = _from_light(first, count, channel, at, wi, seed, index, step);
             if light.weight > 0.0 {
-                let connected = _kernel(here, -direction, -light.direction, way);
-                let arriving = weight * light.weight * _absorbed(top.depth, light.direction.z);
-                sum += arriving * connected.x * _power_share(light.density, connected.y);
+                let towards = -light.direction;
+                let connected = _kernel(here, a, towards, way);
+                var rivals = _squared_ratio(connected.y, light.density) * light.tail;
+                if upward {
+                    rivals += _squared_ratio(_kernel(here, towards, a, transmission_only).y, density) * tail;
+                }
+                sum += weight * light.weight * connected.x / (1.0 + rivals);
             }
+        } else {
+            // Up through the top interface into the light.
+            let exit = _kernel(top, wi, a, transmission_only);
+            sum += weight * exit.x / (1.0 + _squared_ratio(exit.y, density) * tail);
         }
 
-        let next = _sample_from(here, -direction, way, random(seed, index, 2u * step + 1u));
+        let next = _sample_from(here, a, way, _draw(seed, index, step, 0u));
         if next.weight <= 0.0 {
             return sum;
         }
         weight *= next.weight;
         direction = next.direction;
-        let downward = direction.z < 0.0;
-        medium = select(at, at + 1u, downward);
-        if downward {
+        if direction.z < 0.0 {
+            medium = at + 1u;
             depth = here.depth;
-        } else if at > 0u {
+            tail = 1.0;
+        } else {
+            medium = at;
             depth = _interface(first, count, channel, at - 1u).depth;
+            tail = select(1.0,
+                _extended(_squared_ratio(_kernel(here, direction, a, transmission_only).y, density), tail), upward);
         }
-
-        // The same paths found by sampling, weighted against the density of the inner direction.
-        if at == 1u && !downward {
-            let exit = _kernel(top, wi, -direction, transmission_only);
-            sum += weight * _absorbed(top.depth, direction.z) * exit.x * _power_share(next.density, exit.y);
-        }
+        density = next.density;
 
         if step >= roulette_from {
             let q = min(weight / spared, 1.0);
-            if numbers.w >= q {
+            // The last number of the light's first draw is not used by a transmission.
+            if _draw(seed, index, step, 1u).w >= q {
                 return sum;
             }
             weight /= q;
         }
     }
     return sum;
+}
+
+// A path from the light down to an interface: how it arrives, and 1 + the sum of (p(i)/p(j))² over the ways above.
+struct _FromLight {
+    direction: vec3f,
+    weight: f32,
+    density: f32,
+    tail: f32,
+}
+
+// Samples transmissions from the light through all interfaces above one.
+fn _from_light(first: u32, count: u32, channel: u32, at: u32, wi: vec3f, seed: u32, index: u32, step: u32) -> _FromLight {
+    var light = _FromLight(-wi, 1.0, 0.0, 1.0);
+    for (var above = 0u; above < at; above++) {
+        let passed = _interface(first, count, channel, above);
+        let towards = -light.direction;
+        let next = _sample_from(passed, towards, transmission_only, _draw(seed, index, step, above + 1u));
+        if next.weight <= 0.0 || next.density <= 0.0 {
+            light.weight = 0.0;
+            return light;
+        }
+        if above > 0u {
+            let sampled = _kernel(passed, next.direction, towards, both_ways).y;
+            light.tail = _extended(_squared_ratio(sampled, light.density), light.tail);
+        }
+        light.weight *= next.weight * _absorbed(passed.depth, next.direction.z);
+        light.density = next.density;
+        light.direction = next.direction;
+    }
+    return light;
+}
+
+// The numbers of a step of the walk: group 0 for the walk itself, group i+1 for the light at interface i.
+fn _draw(seed: u32, index: u32, step: u32, group: u32) -> vec4f {
+    return random(seed, index, step | (group << 12u));
+}
+
+// (p/q)², at most largest_root²; 0 where p is 0.
+fn _squared_ratio(p: f32, q: f32) -> f32 {
+    if p <= 0.0 {
+        return 0.0;
+    }
+    if p / largest_root >= q {
+        return largest_root * largest_root;
+    }
+    let ratio = p / q;
+    return ratio * ratio;
+}
+
+fn _extended(ratio: f32, tail: f32) -> f32 {
+    return min(1.0 + ratio * tail, largest_root * largest_root);
 }
 
 // The part of facet m that w sees under V-cavities: min(1, 2 m_z |w_z|/|w·m|), m of any length.
@@ -322,7 +389,7 @@ fn _sample_from(here: _Interface, w: vec3f, way: u32, u: vec4f) -> _Step {
         return ended;
     }
     let b = select(through.direction, reflected(a, m), reflects);
-    if (b.z > 0.0) != reflects {
+    if select(-b.z, b.z, reflects) <= 0.0 {
         return ended;
     }
     let part_a = visible_part(a, m);
@@ -372,14 +439,4 @@ fn _absorbed(depth: f32, cosine: f32) -> f32 {
         return 0.0;
     }
     return real::exp_product(depth, 1.0 / abs(cosine));
-}
-
-// The power heuristic as a ratio, so that no square overflows.
-fn _power_share(own: f32, rival: f32) -> f32 {
-    if own >= rival {
-        let ratio = rival / select(1.0, own, own > 0.0);
-        return 1.0 / (1.0 + ratio * ratio);
-    }
-    let ratio = own / rival;
-    return ratio * ratio / (1.0 + ratio * ratio);
 }

@@ -21,6 +21,14 @@ use crate::real::Real;
 use crate::refraction;
 
 /// What the walk takes the microfacets to be.
+///
+/// Directional albedo at 0/60/80° under a coat of n = 1.5, α = .1, with 2²¹ walks (standard error ≤ 3e-4):
+///
+/// | | diffuse ρ = .5 | copper at 690 nm, α = .1 |
+/// |---|---|---|
+/// | `VCavities` | .3155 .3517 .5049 | .9337 .8381 .7776 |
+/// | `SmithBeckmann` | .3157 .3519 .5036 | .9337 .8388 .7771 |
+/// | `SmithGgx` | .3103 .3417 .4495 | .8804 .7612 .6939 |
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Microsurface {

@@ -206,7 +206,8 @@ impl<R: Real<Mask = bool>, const K: usize> Interface<R, K> {
                     }
                     b
                 };
-                if b.z.gt(R::ZERO) != reflects {
+                let leaves = if reflects { b.z } else { -b.z };
+                if leaves.le(R::ZERO) {
                     return None;
                 }
                 let scale = facets.shadowing(a, b, m, *alpha) / choice;
@@ -303,8 +304,10 @@ pub(super) struct Source {
 }
 
 impl Source {
+    /// The numbers of a step of the walk: group 0 for the walk itself, group i+1 for the light at interface i.
     #[inline(always)]
-    pub(super) fn draw<R: Real>(self, dimension: u32) -> [R; 4] {
-        random(self.seed, self.index, dimension)
+    pub(super) fn draw<R: Real>(self, step: u32, group: u32) -> [R; 4] {
+        // Steps take 12 bits.
+        random(self.seed, self.index, step | group << 12)
     }
 }

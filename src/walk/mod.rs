@@ -2,8 +2,8 @@
 //!
 //! What the models of [`crate::layered`] leave out (light that bounces between interfaces, and the width that rough
 //! interfaces add) a walk finds by chance. A path enters the stack from the viewer, is reflected or refracted by a
-//! microfacet at each interface, absorbed between them, and collects at each visit of the interface below the top what
-//! the light sends there. The mean over many walks is the BRDF; the spread of the walks says how far off it may be.
+//! microfacet at each interface, absorbed between them, and at each visit of an interface connected to a path that comes
+//! down from the light. The mean over many walks is the BRDF; the spread of the walks says how far off it may be.
 //!
 //! ```
 //! use brdf::Vector;
@@ -23,15 +23,23 @@
 //!
 //! Radiance over n² and étendue dG = n²·|cosθ|·dω make every kernel symmetric in its two directions, so a path needs no
 //! notion of transport mode: f̂ = f_r/n² in reflection, f̂ = f_t/n_o² in transmission, and f = n₀²·Σ ∫ Π f̂·Π e^(−τ/|cos|)·Π dG
-//! with n₀ = 1. The two ways to find a path that ends "up through the top interface" are weighted by the power
-//! heuristic, both densities being those of the direction *inside* the top layer.
+//! with n₀ = 1.
+//!
+//! A path that ends up through several interfaces is found in several ways: connected at any of them, or sampled all the
+//! way into the light. The power heuristic (Veach 1997, eq. 9.13) weights each by its density, which for the medium
+//! under the top interface is that of the *inner* direction given the light's. (With two interfaces these are the walk and
+//! the weights of Guo, Hašan & Zhao. With more, connecting only at the second would leave a standard deviation of 72 times
+//! the value for `three_layer_lacquer`, where this one leaves 0.23.)
 //!
 //! # What the interfaces are
 //!
 //! [`Microsurface::VCavities`] by default, the microfacets of every model here ([`crate::microfacet::facets`]): the walk over
 //! a single interface *is* [`crate::layered::conserving`]'s. An interface with κ > 0 refracts by its n; light that meets
 //! it from below sees the Fresnel terms of the refracted ray. Interfaces between equal indices are left out: they do
-//! nothing. Nothing is floored: in f64 the narrowest width, 1e-4, is far from the rounding of the half vector.
+//! nothing. No width is taken for 0: in f64 the narrowest, 1e-4, is far from the rounding of the half vector, and both
+//! ways of finding a path together cope with it.
+//!
+//! [`Microsurface`] says which masking was measured against the published albedos.
 //!
 //! Source: Guo, Hašan & Zhao 2018, "Position-Free Monte Carlo Simulation for Arbitrary Layered BSDFs", §5; Walter et al.
 //! 2007, "Microfacet Models for Refraction through Rough Surfaces".
@@ -88,9 +96,9 @@ pub enum Technique {
     /// From the light and from the interface, weighted by the power heuristic. The default.
     #[default]
     Both,
-    /// From the light only: noisy where the interface below the top is narrower than the top.
+    /// From the light as far as the last reflection: noisy where what lies below an interface is narrower than it.
     NextEvent,
-    /// From the interface below the top only: noisy where the top is narrower.
+    /// From the viewer all the way: noisy where the top is narrower.
     Sampling,
     /// A known defect, kept so that tests can show that they would find it: the weight of a sampled path takes the
     /// density of the *outer* direction given the inner one. Biased by up to 8 %.
@@ -112,8 +120,8 @@ pub struct Estimate<const C: usize> {
 /// The BRDF in sr⁻¹ of a stack for a pair of local unit directions, with its standard error; the stack's model is ignored.
 ///
 /// `wi` points towards the light, `wo` towards the viewer. 0 where either is at or below the horizon. Unbiased: the error
-/// falls as 1/√samples, from a standard deviation per walk of mostly .1 to 1.4 of the value. The cost is about 1 µs a
-/// walk, two interfaces, three channels, on one core.
+/// falls as 1/√samples, from a standard deviation per walk of 0 to 0.5 of the value on the built-in stacks. A walk costs
+/// 2 to 7 µs with three channels on one core of a 2.x GHz server (`cargo run --release --example walk_tables`).
 ///
 /// The channels share their walks unless an interface that light passes disperses; then each has its own.
 ///

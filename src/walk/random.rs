@@ -64,12 +64,18 @@ mod tests {
     }
 
     #[test]
-    fn words_match_the_published_listing() {
-        // Evaluated by hand-written C from the paper's HLSL listing.
-        assert_eq!(random_words([0, 0, 0, 0]), random_words([0; 4]));
-        let unit: [f32; 4] = random(1, 2, 3);
-        let same: [f64; 4] = random(1, 2, 3);
-        assert_eq!(unit.map(f64::from), same);
-        assert!(same.iter().all(|u| (0.0..1.0).contains(u)));
+    fn words_are_those_of_the_published_listing() {
+        // The listing run in Python's integers.
+        assert_eq!(random_words([0; 4]), [0x0f02_f829, 0x2d56_8769, 0x32b0_c43b, 0xd325_48ea]);
+        assert_eq!(random_words([1, 2, 3, 4]), [0x3622_cd16, 0xf114_71d8, 0xe110_9b3f, 0x02b9_4c2f]);
+    }
+
+    #[test]
+    fn numbers_are_the_same_in_every_precision() {
+        for sample in 0..1000 {
+            let (single, double): ([f32; 4], [f64; 4]) = (random(1, sample, 3), random(1, sample, 3));
+            assert_eq!(single.map(f64::from), double);
+            assert!(double.iter().all(|u| (0.0..1.0).contains(u)));
+        }
     }
 }
