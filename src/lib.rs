@@ -51,6 +51,8 @@ pub mod refraction;
 pub mod sampling;
 #[cfg(feature = "shader")]
 pub mod shader;
+#[cfg(feature = "std")]
+pub mod walk;
 pub mod wgsl;
 
 pub use frame::{Frame, Vector, half_vector};
