@@ -32,9 +32,16 @@ fn twins_agree_on_every_adapter() {
             let result = compare(&gpu, &twin, SAMPLES).unwrap_or_else(|error| panic!("{name}: {error}"));
             assert!(result.agrees(), "{name}: {result:#?}");
             // The rules may be silent where a comparison they leave open guards a division: at the horizon below
-            // refracting layers. Elsewhere they must not be.
+            // refracting layers; and where the half vector of a refraction cancels, between nearly equal indices.
+            // Elsewhere they must not be.
             let silent = result.unbounded as f64 / (SAMPLES * 3) as f64;
-            let limit = if ["layered", "sampling"].contains(&twin.module) { 0.01 } else { 0.0 };
+            let limit = match (twin.module, twin.function) {
+                // Every rounding decides where a walk goes; its mean is tested in `walk_gpu.rs`.
+                ("walk", "sample") => 1.0,
+                ("walk", _) => 0.05,
+                ("layered" | "sampling", _) => 0.01,
+                _ => 0.0,
+            };
             assert!(silent <= limit, "{name}: {} unbounded", result.unbounded);
         }
     }
@@ -74,6 +81,9 @@ fn a_broken_twin_differs() {
         ("sampling", "pdf", "wi.z / (lobe.n", "wi.z * (lobe.n"),
         ("sampling", "reflect_visible", "+ y * wo.y", "- y * wo.y"),
         ("real", "unit_circle", "vec2f(-s, c)", "vec2f(s, c)"),
+        ("walk", "visible_normal", "along + across", "along - across"),
+        ("walk", "visible_part", "2.0 * m.z", "2.001 * m.z"),
+        ("random", "random", "1664525u", "1664521u"),
         ("patina", "patina_extent", "3.0 - 2.0 * t", "3.0 + 2.0 * t"),
         ("real", "ln_one_plus", "1.0 / 3.0", "0.3333"),
         ("real", "angle", "0.199980752811", "0.199981752811"),

@@ -184,29 +184,10 @@ fn visible_part(w: vec3f, m: vec3f) -> f32 {
     return select(1.0, min(2.0 * m.z * abs(w.z) / select(1.0, facing, usable), 1.0), usable);
 }
 
-// A point on the unit circle for turn in [0, 1): the quadrant apart, then a Taylor series to 2e-9 on [-pi/4, pi/4].
-fn circle(turn: f32) -> vec2f {
-    let quarters = 4.0 * turn;
-    let centre = select(select(select(3.5, 2.5, quarters < 3.0), 1.5, quarters < 2.0), 0.5, quarters < 1.0);
-    let x = (quarters - centre) * 1.57079632679489662;
-    let z = x * x;
-    let s = x * (1.0 - z * (1.0 / 6.0) * (1.0 - z * (1.0 / 20.0) * (1.0 - z * (1.0 / 42.0) * (1.0 - z * (1.0 / 72.0)))));
-    let c = 1.0 - z * 0.5 * (1.0 - z * (1.0 / 12.0)
-        * (1.0 - z * (1.0 / 30.0) * (1.0 - z * (1.0 / 56.0) * (1.0 - z * (1.0 / 90.0)))));
-    if quarters < 1.0 {
-        return vec2f(c, s);
-    } else if quarters < 2.0 {
-        return vec2f(-s, c);
-    } else if quarters < 3.0 {
-        return vec2f(-c, -s);
-    }
-    return vec2f(s, -c);
-}
-
 // A normal drawn from those that w sees (Heitz & d'Eon 2014, algorithm 3): Beckmann under V-cavities.
 fn visible_normal(w: vec3f, alpha: f32, u: vec3f) -> vec3f {
     let slope = alpha * sqrt(max(-real::ln_one_plus(-u.x), 0.0));
-    let around = circle(u.y);
+    let around = real::unit_circle(u.y);
     let h = vec3f(slope * around.x, slope * around.y, 1.0);
     let m = h * (1.0 / sqrt(dot(h, h)));
     let along = w.z * m.z;
@@ -370,7 +351,7 @@ fn _sample_from(here: _Interface, w: vec3f, way: u32, u: vec4f) -> _Step {
         return ended;
     }
     if here.kind == layered::diffuse_base {
-        let around = circle(u.y) * sqrt(u.x);
+        let around = real::unit_circle(u.y) * sqrt(u.x);
         let b = vec3f(around.x, around.y, sqrt(1.0 - u.x));
         return _Step(b, 3.14159265358979324 * _diffuse(here, a, b), b.z * 0.318309886183790672);
     }

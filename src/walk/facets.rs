@@ -68,36 +68,6 @@ pub fn visible_part<R: Real>(w: Vector<R>, m: Vector<R>) -> R {
     R::select(usable, part.min(R::ONE), R::ONE)
 }
 
-/// A point on the unit circle, (cos 2πu, sin 2πu) turned by an eighth, for `turn` = u in [0, 1).
-///
-/// The quadrant is split off exactly; the rest is a Taylor series on [−π/4, π/4] whose first dropped term is below 1e-16.
-/// Error in f32: ≤ 3 ULP of 1.
-#[inline]
-pub fn circle<R: Real>(turn: R) -> [R; 2] {
-    let quarters = turn * R::from_f64(4.0);
-    let [first, second, third] = [1.0, 2.0, 3.0].map(|edge| quarters.lt(R::from_f64(edge)));
-    let centre = R::select(
-        first,
-        R::HALF,
-        R::select(second, R::from_f64(1.5), R::select(third, R::from_f64(2.5), R::from_f64(3.5))),
-    );
-    let x = (quarters - centre) * R::from_f64(core::f64::consts::FRAC_PI_2);
-    let z = x * x;
-    let mut sine = R::ZERO;
-    let mut cosine = R::ZERO;
-    // Σ (−z)^k/(2k+1)! and Σ (−z)^k/(2k)! by Horner's rule.
-    for k in (1..=8u32).rev() {
-        let (even, odd) = (f64::from(2 * k), f64::from(2 * k + 1));
-        sine = -z * R::from_f64(1.0 / (even * odd)) * (R::ONE + sine);
-        cosine = -z * R::from_f64(1.0 / (even * (even - 1.0))) * (R::ONE + cosine);
-    }
-    let (c, s) = (R::ONE + cosine, x * (R::ONE + sine));
-    let pick = |one: R, two: R, three: R, four: R| {
-        R::select(first, one, R::select(second, two, R::select(third, three, four)))
-    };
-    [pick(c, -s, -c, s), pick(s, c, -s, -c)]
-}
-
 /// A unit normal drawn from those that `w` sees, under V-cavities: density G1(w, m)·(w·m)·D(m)/w_z.
 ///
 /// A normal is drawn from D·cos, and given up for its mirror image (−x, −y, z) in proportion to the areas that `w` sees
@@ -107,7 +77,7 @@ pub fn circle<R: Real>(turn: R) -> [R; 2] {
 #[inline]
 pub fn visible_normal<R: Real>(w: Vector<R>, alpha: R, u: [R; 3]) -> Vector<R> {
     let slope = alpha * (-(-u[0]).ln_one_plus()).max(R::ZERO).sqrt();
-    let [x, y] = circle(u[1]);
+    let (x, y) = u[1].unit_circle();
     let m = Vector::new(slope * x, slope * y, R::ONE).normalized();
     let (along, across) = (w.z * m.z, w.x * m.x + w.y * m.y);
     let (here, there) = ((along + across).max(R::ZERO), (along - across).max(R::ZERO));
@@ -290,7 +260,7 @@ impl Microsurface {
 /// Visible normals of GGX under Smith's masking, by a cap of the sphere. Source: Dupuy & Benyoub 2023, listing 3.
 fn visible_normal_ggx<R: Real>(w: Vector<R>, alpha: R, u: [R; 3]) -> Vector<R> {
     let stretched = Vector::new(alpha * w.x, alpha * w.y, w.z).normalized();
-    let [x, y] = circle(u[0]);
+    let (x, y) = u[0].unit_circle();
     let z = (R::ONE - u[1]) * (R::ONE + stretched.z) - stretched.z;
     let sine = ((R::ONE - z) * (R::ONE + z)).max(R::ZERO).sqrt();
     let h = Vector::new(sine * x, sine * y, z) + stretched;
@@ -332,7 +302,7 @@ fn visible_normal_beckmann<R: Real<Mask = bool>>(w: Vector<R>, alpha: R, u: [R; 
             break;
         }
     }
-    let [x, _] = circle(u[1]);
+    let (x, _) = u[1].unit_circle();
     let across = x * (-(-u[2]).ln_one_plus()).max(R::ZERO).sqrt();
     let (cos_phi, sin_phi) = if s.gt(R::ZERO) { (stretched.x / s, stretched.y / s) } else { (R::ONE, R::ZERO) };
     let slope = Vector::new(cos_phi * along - sin_phi * across, sin_phi * along + cos_phi * across, R::ONE);

@@ -175,7 +175,7 @@ impl<R: Real<Mask = bool>, const K: usize> Interface<R, K> {
         }
         let step = match &self.kind {
             Kind::Diffuse { albedo, sigma } => {
-                let [x, y] = facets::circle(u[1]);
+                let (x, y) = u[1].unit_circle();
                 let radius = u[0].sqrt();
                 let b = Vector::new(radius * x, radius * y, (R::ONE - u[0]).sqrt());
                 let base = diffuse::oren_nayar(a, b, *sigma);

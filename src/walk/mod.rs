@@ -53,8 +53,7 @@ mod path;
 pub mod random;
 
 pub use facets::{
-    Microsurface, Pair, circle, reflected, reflection, refracted, refracting_normal, transmission, visible_normal,
-    visible_part,
+    Microsurface, Pair, reflected, reflection, refracted, refracting_normal, transmission, visible_normal, visible_part,
 };
 
 use crate::frame::Vector;
