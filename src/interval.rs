@@ -167,7 +167,8 @@ impl Div for WgslInterval {
     type Output = Self;
     fn div(self, other: Self) -> Self {
         let divisor = [other.low.abs(), other.high.abs()];
-        let normal = divisor.iter().all(|d| (TINY..=1.0 / TINY).contains(d));
+        // The range for which the standard bounds the error: 2⁻¹²⁶ to 2¹²⁶.
+        let normal = divisor.iter().all(|d| (TINY..=TINY.recip()).contains(d));
         if !normal || other.low < 0.0 && other.high > 0.0 {
             return Self::UNKNOWN;
         }
@@ -222,10 +223,10 @@ impl Real for WgslInterval {
     const ONE: Self = WgslInterval { low: 1.0, high: 1.0 };
     const HALF: Self = WgslInterval { low: 0.5, high: 0.5 };
     const TWO: Self = WgslInterval { low: 2.0, high: 2.0 };
-    // The two f32 next to each constant.
-    const PI: Self = WgslInterval { low: 3.141_592_5, high: 3.141_592_8 };
-    #[allow(clippy::approx_constant)]
-    const FRAC_1_PI: Self = WgslInterval { low: 0.318_309_86, high: 0.318_309_9 };
+    // The two f32 next to each constant: the nearest is above π and below 1/π.
+    const PI: Self = WgslInterval { low: core::f32::consts::PI.next_down() as f64, high: core::f32::consts::PI as f64 };
+    const FRAC_1_PI: Self =
+        WgslInterval { low: core::f32::consts::FRAC_1_PI as f64, high: core::f32::consts::FRAC_1_PI.next_up() as f64 };
     const EPSILON: Self = WgslInterval { low: ULP, high: ULP };
     const EXP_LIMIT: Self = WgslInterval { low: 87.0, high: 87.0 };
 

@@ -278,7 +278,7 @@ impl Real for f32 {
     }
     #[inline(always)]
     fn erfcx(self) -> Self {
-        erfcx_chebyshev(self, &ERFCX.map(|c| c as f32)[..13])
+        erfcx_chebyshev(self, &ERFCX_SINGLE)
     }
     #[inline(always)]
     fn unit_circle(self) -> (Self, Self) {
@@ -355,6 +355,17 @@ const ERFCX: [f64; 25] = [
     7.418_235_256_624_043_466_7e-17,
     5.068_148_904_796_111_313_2e-17,
 ];
+
+/// The coefficients that single precision needs.
+const ERFCX_SINGLE: [f32; 13] = {
+    let mut single = [0.0; 13];
+    let mut i = 0;
+    while i < single.len() {
+        single[i] = ERFCX[i] as f32;
+        i += 1;
+    }
+    single
+};
 
 /// Clenshaw's sum of the series above, divided by (1+2x).
 #[inline(always)]

@@ -30,7 +30,7 @@ mod rows;
 pub use adapter::{AdapterInfo, adapters};
 pub use error::GpuError;
 pub use kernel::Kernel;
-pub use layers::{STACK_BINDINGS, layer_bytes, layer_words};
+pub use layers::{STACK_BINDINGS, layer_bytes};
 pub use policy::{Policy, policy};
 pub use rows::{columns, rows};
 pub use wgpu;

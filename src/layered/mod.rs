@@ -6,6 +6,8 @@
 //!
 //! [`model`] holds the evaluations, whose twin is `wgsl/layered.wgsl`.
 
+#[cfg(feature = "bytemuck")]
+mod buffer;
 #[cfg(feature = "toml")]
 pub mod description;
 mod error;
@@ -14,6 +16,8 @@ pub mod model;
 use crate::frame::Vector;
 use crate::real::Real;
 use alloc::vec::Vec;
+#[cfg(feature = "bytemuck")]
+pub use buffer::BufferLayer;
 pub use error::StackError;
 pub use model::{conserving, elek, internal_reflection, weidlich_wilkie};
 

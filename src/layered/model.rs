@@ -67,11 +67,17 @@ pub fn internal_reflection<R: Real>(transmitted: R, g: R) -> R {
 
 /// What distinguishes one recursive model from another.
 trait Rule<R: Real> {
-    /// The width of an interface under one of width `above`.
-    fn alpha(alpha: R, above: R) -> R;
-    /// The index that a Fresnel term takes, of a layer's own index and the one of the medium above.
-    fn index(own: R, n_above: R) -> R;
-    /// The directions below an interface, refracted by the ratio `eta`.
+    /// The width of an interface under one of width `above`: its own.
+    #[inline(always)]
+    fn alpha(alpha: R, _above: R) -> R {
+        alpha
+    }
+    /// The index that a Fresnel term takes, of a layer's own index and the one of the medium above: their ratio.
+    #[inline(always)]
+    fn index(own: R, n_above: R) -> R {
+        own / n_above
+    }
+    /// The directions below an interface, refracted by the ratio `eta`: about the macro normal.
     #[inline(always)]
     fn refract(wi: Vector<R>, wo: Vector<R>, eta: R) -> (Vector<R>, Vector<R>) {
         (refract(wi, eta), refract(wo, eta))
@@ -100,14 +106,6 @@ impl<R: Real> Rule<R> for Elek {
 struct WeidlichWilkie;
 impl<R: Real> Rule<R> for WeidlichWilkie {
     #[inline(always)]
-    fn alpha(alpha: R, _: R) -> R {
-        alpha
-    }
-    #[inline(always)]
-    fn index(own: R, n_above: R) -> R {
-        own / n_above
-    }
-    #[inline(always)]
     fn refract(wi: Vector<R>, wo: Vector<R>, eta: R) -> (Vector<R>, Vector<R>) {
         let m = half_vector(wi, wo).normalized();
         (refract_about(wi, m, eta), refract_about(wo, m, eta))
@@ -120,14 +118,6 @@ impl<R: Real> Rule<R> for WeidlichWilkie {
 
 struct Conserving;
 impl<R: Real> Rule<R> for Conserving {
-    #[inline(always)]
-    fn alpha(alpha: R, _: R) -> R {
-        alpha
-    }
-    #[inline(always)]
-    fn index(own: R, n_above: R) -> R {
-        own / n_above
-    }
     #[inline(always)]
     fn through(wi: Vector<R>, wo: Vector<R>, (n, k): (R, R), _: Fresnel<R>, _: R, eta: R) -> R {
         interface_fresnel(wi.z, n, k).transmittance * interface_fresnel(wo.z, n, k).transmittance / (eta * eta)

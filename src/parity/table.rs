@@ -185,21 +185,23 @@ fn pick_stack(d: &mut Draw) -> (usize, usize) {
     all[((d.unit() * all.len() as f64) as usize).min(all.len() - 1)]
 }
 
-/// Layers, and where each stack lies in them: its first layer and length.
-type StackTable = (Vec<Layer<f32, 3>>, Vec<(usize, usize)>);
-
 /// The layers that the twins of stacks read, and where each stack lies in them.
+struct StackTable {
+    layers: Vec<Layer<f32, 3>>,
+    ranges: Vec<(usize, usize)>,
+}
+
 fn stack_table() -> &'static StackTable {
     static TABLE: OnceLock<StackTable> = OnceLock::new();
     TABLE.get_or_init(|| {
-        let (mut layers, mut ranges) = (Vec::new(), Vec::new());
+        let mut table = StackTable { layers: Vec::new(), ranges: Vec::new() };
         let built_in = built_in();
         let built_in = built_in.iter().map(|material| material.stack.cast::<f32>().layers().to_vec());
         for stack in built_in.chain(corner_stacks()) {
-            ranges.push((layers.len(), stack.len()));
-            layers.extend(stack);
+            table.ranges.push((table.layers.len(), stack.len()));
+            table.layers.extend(stack);
         }
-        (layers, ranges)
+        table
     })
 }
 
@@ -218,11 +220,11 @@ fn corner_stacks() -> [Vec<Layer<f32, 3>>; 5] {
 
 /// Every layer of the stacks that are compared, for the storage buffer.
 pub fn layers() -> &'static [Layer<f32, 3>] {
-    &stack_table().0
+    &stack_table().layers
 }
 
 fn stacks() -> &'static [(usize, usize)] {
-    &stack_table().1
+    &stack_table().ranges
 }
 
 /// The layers of a stack over another number type.

@@ -5,7 +5,7 @@
 
 use crate::failure::Failure;
 use crate::material::{self, AnyStack};
-use crate::term::{self, Field, Kind, Term, read_fields};
+use crate::term::{self, Field, Kind, Results, Term, read_fields};
 use brdf::Vector;
 use brdf::gpu::Gpu;
 use brdf::layered::Model;
@@ -96,9 +96,6 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
     }
     Ok(ExitCode::SUCCESS)
 }
-
-/// The results of a line, by name.
-type Results = Vec<(&'static str, Value)>;
 
 fn question(object: &Map<String, Value>) -> Result<Question, String> {
     let name = match object.get("term") {

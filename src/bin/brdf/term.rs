@@ -3,6 +3,9 @@
 use brdf::distribution::gaussian_normalisation;
 use serde_json::{Map, Value};
 
+/// The results of a line, by name.
+pub(crate) type Results = Vec<(&'static str, Value)>;
+
 /// A term of `brdf eval`.
 pub(crate) struct Term {
     /// The name in the field `term`.
@@ -14,7 +17,7 @@ pub(crate) struct Term {
     /// The function's arguments from the fields' numbers.
     pub(crate) arguments: fn(&[f64]) -> Vec<f64>,
     /// The results from the fields' numbers and the function's results.
-    pub(crate) results: fn(&[f64], &[f64]) -> Vec<(&'static str, Value)>,
+    pub(crate) results: fn(&[f64], &[f64]) -> Results,
 }
 
 /// A field of a term.
@@ -120,14 +123,14 @@ fn cosines_and_half(f: &[f64]) -> Vec<f64> {
     vec![f[2], f[5], f[0] + f[3], f[1] + f[4], f[2] + f[5]]
 }
 
-fn oren_nayar(fields: &[f64], parts: &[f64]) -> Vec<(&'static str, Value)> {
+fn oren_nayar(fields: &[f64], parts: &[f64]) -> Results {
     let albedo = fields[7];
     let first = albedo * std::f64::consts::FRAC_1_PI * parts[0];
     let second = albedo * albedo * std::f64::consts::FRAC_1_PI * parts[1];
     vec![("f", json((first + second).max(0.0))), ("L1", json(first)), ("L2", json(second))]
 }
 
-fn refracted(_: &[f64], w: &[f64]) -> Vec<(&'static str, Value)> {
+fn refracted(_: &[f64], w: &[f64]) -> Results {
     let total = w[2] <= 0.0;
     vec![("w", if total { Value::Null } else { w.iter().map(|x| json(*x)).collect() })]
 }
