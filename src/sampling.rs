@@ -63,8 +63,9 @@ const SAFE_SHARE: f64 = 0.25;
 /// The largest f·cos/pdf, as a multiple of [`ceiling`]: 2.75/¼ = 11.
 ///
 /// ¼ of the mixture follows the safe weights. Within its lobe a facet's weight is F·G/G₁ ≤ F, at most 1.32 times the larger
-/// end of the Fresnel terms (a dip between them, n = κ = 8), and at most half of a lobe's samples go to the cosine instead:
+/// end of the Fresnel terms (a dip between them; n ≤ 8, κ ≤ 12), and at most half of a lobe's samples go to the cosine instead:
 /// 2.64. An Oren–Nayar base exceeds its albedo by up to 2 (both directions at grazing). The module's tests scan both.
+/// For `weidlich_wilkie`, whose refracted directions may graze where those outside do not, it is measured, not derived.
 pub const WEIGHT_BOUND: f64 = 2.75 / SAFE_SHARE;
 
 /// A direction drawn for a view, and its density.
