@@ -11,7 +11,7 @@ use brdf::walk::{self, Options};
 use brdf::wgsl;
 
 /// Walks on each side.
-const SAMPLES: u32 = 8192;
+const SAMPLES: u32 = 4096;
 /// Standard errors that the two means may be apart. Of the 120 comparisons below an honest pair of independent seeds would
 /// exceed it in one run of 130 (P(|z| > 4) = 6.3e-5); the seeds are fixed.
 const LIMIT: f64 = 4.0;
@@ -29,6 +29,11 @@ fn stacks() -> Vec<(&'static str, Stack<f32, 3>)> {
     let mut add = |name, layers| all.push((name, Stack::new(Model::Conserving, layers).unwrap()));
     add("matched", vec![coat(1.0, 0.2).over(sigma, 0.3), coat(1.5, 0.2), coat(1.5, 0.1).over(sigma, 0.5), copper]);
     add("very rough", vec![coat(1.5, 0.8), coat(1.2, 1.0), Layer::new(Interface::diffuse([1.0, 0.5, 0.2], 0.7))]);
+    add(
+        "smooth under rough",
+        vec![coat(1.3, 0.5), coat(1.8, 0.05), Layer::new(Interface::diffuse([0.9, 0.5, 0.2], 0.0))],
+    );
+    add("nearly matched", vec![coat(1.5, 0.2).over(sigma, 0.2), coat(1.55, 0.05), copper]);
     add("very smooth", vec![coat(1.5, 1e-4).over(sigma, 0.5), Layer::new(Interface::diffuse([1.0, 0.5, 0.2], 0.0))]);
     all
 }

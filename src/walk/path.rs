@@ -70,18 +70,19 @@ pub(super) fn transmitted<R: Real<Mask = bool>, const K: usize>(
             Technique::NextEvent => !upward,
             _ => true,
         };
-        if at > 0 && connects {
-            if let Some(light) = from_light(interfaces, facets, at, wi, source, step) {
-                let towards = -light.direction;
-                let kernel = interface.kernel(facets, a, towards, way);
-                let mut rivals = squared_ratio(kernel.density, light.density) * light.tail;
-                if upward {
-                    let known = interface.kernel(facets, towards, a, Way::Transmission).density;
-                    rivals = rivals + squared_ratio(known, density) * tail;
-                }
-                let share = if technique == Technique::NextEvent { R::ONE } else { R::ONE / (R::ONE + rivals) };
-                add(&mut sum, product(product(weight, light.weight), kernel.value), share);
+        if at > 0
+            && connects
+            && let Some(light) = from_light(interfaces, facets, at, wi, source, step)
+        {
+            let towards = -light.direction;
+            let kernel = interface.kernel(facets, a, towards, way);
+            let mut rivals = squared_ratio(kernel.density, light.density) * light.tail;
+            if upward {
+                let known = interface.kernel(facets, towards, a, Way::Transmission).density;
+                rivals = rivals + squared_ratio(known, density) * tail;
             }
+            let share = if technique == Technique::NextEvent { R::ONE } else { R::ONE / (R::ONE + rivals) };
+            add(&mut sum, product(product(weight, light.weight), kernel.value), share);
         }
         if at == 0 && technique != Technique::NextEvent {
             // Up through the top interface into the light: a, the inner direction, as the light would go.
