@@ -50,6 +50,8 @@ pub mod real;
 pub mod refraction;
 #[cfg(feature = "shader")]
 pub mod shader;
+#[cfg(feature = "std")]
+pub mod walk;
 pub mod wgsl;
 
 pub use frame::{Frame, Vector, half_vector};

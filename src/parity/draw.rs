@@ -118,6 +118,11 @@ impl Draw {
         self.logarithmic(1e-3, 1e3, &[0.0, 1e-6, 1.0, 3.75, 50.0])
     }
 
+    /// A whole number below 2³² that f32 holds exactly.
+    pub fn word(&mut self) -> f64 {
+        (self.unit() * 16_777_216.0).floor() * if self.corner { 256.0 } else { 1.0 }
+    }
+
     /// A local unit direction above the horizon, from the normal to a cosine of 1e-7.
     pub fn direction(&mut self) -> Vector<f64> {
         let (cosine, azimuth) = (self.cosine(), self.azimuth());

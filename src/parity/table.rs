@@ -6,7 +6,7 @@ use crate::interval::WgslInterval;
 use crate::layered::{self, Interface, Layer};
 use crate::material::{patina, stack::built_in};
 use crate::real::Real;
-use crate::{absorption, diffuse, distribution, fresnel, masking, microfacet, phong, refraction};
+use crate::{absorption, diffuse, distribution, fresnel, masking, microfacet, phong, refraction, walk};
 use std::sync::OnceLock;
 
 /// How a twin's results are judged.
@@ -99,6 +99,10 @@ fn split<R: Real>(f: fresnel::Fresnel<R>) -> [R; 2] {
 
 fn shadow<R: Real>(m: masking::Masking<R>) -> [R; 2] {
     [m.g, m.visibility]
+}
+
+fn pair<R: Real>(p: walk::Pair<R>) -> [R; 3] {
+    [p.lobe, p.density, p.cos_a]
 }
 
 fn coordinates<R: Real>(v: Vector<R>) -> [R; 3] {
@@ -207,6 +211,39 @@ fn stack_of<R: Real>(first: R, count: R) -> Vec<Layer<R, 3>> {
 /// The channel that an argument names.
 fn channel<R: Real>(values: [R; 3], channel: R) -> [R; 1] {
     [values[channel.to_f64() as usize]]
+}
+
+/// Two directions on either side of an interface, in most samples one refracted to the other, and the two indices.
+fn refraction_pair(d: &mut Draw) -> Vec<f64> {
+    let (a, m, other) = (d.direction(), d.half_vector(0.3).normalized(), d.direction());
+    let (n_a, n_b) = (d.ratio(), d.ratio());
+    let (b, cos_b) = walk::refracted(a, m, n_b / n_a);
+    let refracts = a.dot(m) > 0.0 && cos_b > 0.0 && b.z < 0.0;
+    flat![a, if refracts { b } else { -other }, n_a, n_b]
+}
+
+/// The whole walk. A decision that rounding turns leads to another walk, so that no bound holds for a single one but that
+/// it is finite; `tests/walk_gpu.rs` compares means.
+fn walk_twin() -> Twin {
+    fn evaluate<R: Real<Mask = bool>>(a: &[R]) -> Vec<R> {
+        let word = |x: R| x.to_f64() as u32;
+        let layers = stack_of(a[0], a[1]);
+        vec![walk::sample(&layers, word(a[2]) as usize, at(a, 3), at(a, 6), word(a[9]), word(a[10]))]
+    }
+    Twin {
+        module: "walk",
+        function: "sample",
+        arity: 7,
+        judge: Judge::Allowed,
+        sample: |d| {
+            let mut arguments = stack_channel_and_pair(d);
+            arguments.extend([d.word(), d.word()]);
+            arguments
+        },
+        single: evaluate::<f32>,
+        double: evaluate::<f64>,
+        allowed: |_| vec![WgslInterval::ONE / WgslInterval::ZERO],
+    }
 }
 
 /// Every twin.
@@ -320,6 +357,30 @@ pub fn twins() -> Vec<Twin> {
         twin!(layered::conserving / 4, stack_and_pair, |a| layered::conserving(&stack_of(a[0], a[1]), at(a, 2), at(a, 5))),
         twin!(layered::conserving_channel / 5, stack_channel_and_pair,
             |a| channel(layered::conserving(&stack_of(a[0], a[1]), at(a, 3), at(a, 6)), a[2])),
+
+        // Numbers without rounding: the interval is a point.
+        twin!(random::random / 3, |d| flat![d.word(), d.word(), d.word()],
+            |a| walk::random::random(a[0].to_f64() as u32, a[1].to_f64() as u32, a[2].to_f64() as u32)),
+        twin!(walk::circle / 1, |d| flat![d.unit()], |a| walk::circle(a[0])),
+        twin!(walk::visible_part / 2, |d| flat![d.direction(), d.half_vector(0.5)], |a| [walk::visible_part(at(a, 0), at(a, 3))]),
+        twin!(walk::visible_normal / 3, |d| flat![d.direction(), d.width(), [d.unit(), d.unit(), d.unit()]],
+            |a| coordinates(walk::visible_normal(at(a, 0), a[3], [a[4], a[5], a[6]]))),
+        twin!(walk::reflection / 3, |d| { let width = d.width(); flat![d.pair(width), width] },
+            |a| pair(walk::reflection(at(a, 0), at(a, 3), a[6]))),
+        twin!(walk::refracting_normal / 4, refraction_pair,
+            |a| coordinates(walk::refracting_normal(at(a, 0), at(a, 3), a[6], a[7]))),
+        twin!(walk::transmission / 5, |d| {
+            let mut arguments = refraction_pair(d);
+            arguments.push(d.width());
+            arguments
+        }, |a| pair(walk::transmission(at(a, 0), at(a, 3), a[6], a[7], a[8]))),
+        twin!(walk::reflected / 2, |d| flat![d.direction(), d.half_vector(0.5).normalized()],
+            |a| coordinates(walk::reflected(at(a, 0), at(a, 3)))),
+        twin!(walk::refracted / 3, |d| flat![d.direction(), d.half_vector(0.5).normalized(), d.ratio()], |a| {
+            let (b, cosine) = walk::refracted(at(a, 0), at(a, 3), a[6]);
+            [b.x, b.y, b.z, cosine]
+        }),
+        walk_twin(),
 
         twin!(patina::patina_extent / 3, |d| flat![d.between(-1.0, 2.0), d.fraction(), d.fraction()],
             |a| [patina::patina_extent(a[0], a[1], a[2])]),

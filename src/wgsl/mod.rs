@@ -63,8 +63,8 @@ macro_rules! modules {
 /// The library's modules: each one's name and its text.
 #[rustfmt::skip]
 pub const MODULES: &[(&str, &str)] = modules![
-    "absorption", "diffuse", "distribution", "fresnel", "layered", "masking", "microfacet", "patina", "phong", "real",
-    "refraction",
+    "absorption", "diffuse", "distribution", "fresnel", "layered", "masking", "microfacet", "patina", "phong", "random",
+    "real", "refraction", "walk",
 ];
 
 /// The text of one module, as written: with its imports.
