@@ -136,7 +136,7 @@ impl<R: Real> Rule<R> for Conserving {
 
 /// The exact Fresnel terms, by the dielectric's form where κ = 0: it is cheaper, and accurate at the critical angle.
 #[inline(always)]
-fn interface_fresnel<R: Real>(cos_i: R, n: R, k: R) -> Fresnel<R> {
+pub(super) fn interface_fresnel<R: Real>(cos_i: R, n: R, k: R) -> Fresnel<R> {
     if k == R::ZERO { fresnel::dielectric(cos_i, n) } else { fresnel::conductor(cos_i, n, k) }
 }
 
@@ -155,7 +155,7 @@ fn by_channel<R: Real, M: Rule<R>, const C: usize>(layers: &[Layer<R, C>], wi: V
 }
 
 /// True where an interface that light passes has an index that differs between channels.
-fn disperses<R: Real, const C: usize>(layers: &[Layer<R, C>]) -> bool {
+pub(super) fn disperses<R: Real, const C: usize>(layers: &[Layer<R, C>]) -> bool {
     layers.split_last().is_some_and(|(_, passed)| {
         passed.iter().any(|layer| match layer.interface {
             Interface::Microfacet { n, .. } => n.iter().any(|other| *other != n[0]),

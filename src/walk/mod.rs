@@ -163,6 +163,30 @@ pub fn albedo<const C: usize>(stack: &Stack<f64, C>, wo: impl Into<Vector<f64>>,
     }
 }
 
+/// The share of the light from `wo` that reaches the last interface, by any number of bounces between those above it.
+pub(crate) fn arrived<const C: usize>(stack: &Stack<f64, C>, wo: Vector<f64>, options: &Options) -> Estimate<C> {
+    fn walks<const K: usize>(stack: &Interfaces<f64, K>, wo: Vector<f64>, options: &Options) -> Estimate<K> {
+        estimate::mean(options, |source| path::arrived(stack, options.microsurface, wo, source))
+    }
+    if disperses(stack.layers()) {
+        by_channel(|channel| walks::<1>(&Interfaces::new(stack.layers(), channel), wo, options))
+    } else {
+        walks::<C>(&Interfaces::new(stack.layers(), 0), wo, options)
+    }
+}
+
+/// The share of Lambertian light from the last interface that those above it send back.
+pub(crate) fn returned<const C: usize>(stack: &Stack<f64, C>, options: &Options) -> Estimate<C> {
+    fn walks<const K: usize>(stack: &Interfaces<f64, K>, options: &Options) -> Estimate<K> {
+        estimate::mean(options, |source| path::returned(stack, options.microsurface, source))
+    }
+    if disperses(stack.layers()) {
+        by_channel(|channel| walks::<1>(&Interfaces::new(stack.layers(), channel), options))
+    } else {
+        walks::<C>(&Interfaces::new(stack.layers(), 0), options)
+    }
+}
+
 /// The f of one walk in one channel, in sr⁻¹: what [`evaluate`] takes the mean of.
 ///
 /// `layers` from the top; `channel` < C; `wi`, `wo` local unit vectors; `seed` and `index` name the walk. In f32, and in

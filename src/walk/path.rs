@@ -1,7 +1,7 @@
 //! One walk: from the viewer down into the stack and back out, with a share of the light at each step.
 
 use super::Technique;
-use super::facets::Microsurface;
+use super::facets::{Microsurface, circle};
 use super::interface::{Interfaces, Source, Way, absorbed};
 use crate::frame::Vector;
 use crate::real::Real;
@@ -133,6 +133,72 @@ pub(super) fn escaped<R: Real<Mask = bool>, const K: usize>(
         weight = absorbed(weight, &interfaces[medium - 1].depth, direction.z);
         if step >= ROULETTE_FROM {
             let [.., u] = source.draw::<R>(2 * step);
+            if !spin(&mut weight, u) {
+                return lost;
+            }
+        }
+    }
+    lost
+}
+
+/// One sample of the share of light from `wo` that reaches the last interface, whatever that is; 1 where it is the only one.
+pub(super) fn arrived<R: Real<Mask = bool>, const K: usize>(
+    stack: &Interfaces<R, K>,
+    facets: Microsurface,
+    wo: Vector<R>,
+    source: Source,
+) -> [R; K] {
+    if wo.z.le(R::ZERO) || stack.all.is_empty() {
+        return [R::ZERO; K];
+    }
+    descend(stack, facets, absorbed([R::ONE; K], &stack.above, wo.z), -wo, 0, source)
+}
+
+/// One sample of the share of Lambertian light from the last interface that the ones above send back to it.
+pub(super) fn returned<R: Real<Mask = bool>, const K: usize>(
+    stack: &Interfaces<R, K>,
+    facets: Microsurface,
+    source: Source,
+) -> [R; K] {
+    let last = stack.all.len().saturating_sub(1);
+    if last == 0 {
+        return [R::ZERO; K];
+    }
+    let [u, turn, ..] = source.draw::<R>(0);
+    let ([x, y], radius) = (circle(turn), u.sqrt());
+    let up = Vector::new(radius * x, radius * y, (R::ONE - u).sqrt());
+    descend(stack, facets, absorbed([R::ONE; K], &stack.all[last - 1].depth, up.z), up, last, source)
+}
+
+/// Follows a walk in `medium` until it reaches the last interface: the weight it arrives with, 0 where it leaves.
+fn descend<R: Real<Mask = bool>, const K: usize>(
+    stack: &Interfaces<R, K>,
+    facets: Microsurface,
+    mut weight: [R; K],
+    mut direction: Vector<R>,
+    mut medium: usize,
+    source: Source,
+) -> [R; K] {
+    let lost = [R::ZERO; K];
+    let interfaces = &stack.all;
+    let last = interfaces.len() - 1;
+    for step in 0..LONGEST {
+        let down = direction.z.lt(R::ZERO);
+        if down && medium == last {
+            return weight;
+        }
+        let at = if down { medium } else { medium - 1 };
+        let random = source.draw(2 * step + 1);
+        let Some(next) = interfaces[at].sample(facets, -direction, Way::Both, random) else { return lost };
+        weight = product(weight, next.weight);
+        direction = next.direction;
+        medium = if direction.z.lt(R::ZERO) { at + 1 } else { at };
+        if medium == 0 {
+            return lost;
+        }
+        weight = absorbed(weight, &interfaces[medium - 1].depth, direction.z);
+        if step >= ROULETTE_FROM {
+            let [.., u] = source.draw::<R>(2 * step + 2);
             if !spin(&mut weight, u) {
                 return lost;
             }

@@ -1,0 +1,393 @@
+//! What [`Coupled`](super::Coupled) knows of a stack before it is asked: curves over the cosine, built once.
+
+use super::{Interface, Layer, Model, Stack};
+use crate::diffuse;
+use crate::frame::Vector;
+use crate::fresnel;
+use crate::refraction::{cos_t, refract};
+use crate::walk::{self, Options};
+use core::f64::consts::{FRAC_1_PI, PI};
+use std::time::{Duration, Instant};
+use std::vec::Vec;
+
+/// Nodes of a [`Curve`].
+pub(super) const NODES: usize = 32;
+/// Walks per node and table. The albedo of one walk has a standard deviation of .2 to .5, so a node is known to .001 to
+/// .003, and the fit through the nodes to half of that.
+const WALKS: u32 = 1 << 15;
+/// Coats of at most this width count as smooth: the closed form is then within α² of the rough one.
+const SMOOTH: f64 = 0.02;
+/// Quadrature points per lobe and node; the points are those of a rank-1 sequence, whose error here is below .001.
+const POINTS: usize = 2048;
+/// The polynomial that is fitted through the differences to the walk, its number of coefficients.
+const TERMS: usize = 8;
+/// Rounds that balance the scale; each halves what is left at least.
+const ROUNDS: usize = 12;
+
+/// A function of the cosine for each channel, linear in √μ between [`NODES`] nodes: dense at grazing, where things change.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Curve<const C: usize>(Vec<[f64; C]>);
+
+impl<const C: usize> Curve<C> {
+    /// The cosine of a node. The first one stands for 0, and is taken where a walk can still begin.
+    fn cosine(node: usize) -> f64 {
+        (node as f64 / (NODES - 1) as f64).powi(2).max(1e-4)
+    }
+
+    fn from_nodes(mut node: impl FnMut(usize, f64) -> [f64; C]) -> Self {
+        Curve((0..NODES).map(|i| node(i, Self::cosine(i))).collect())
+    }
+
+    /// The value of each channel at a cosine in [0, 1].
+    #[inline]
+    pub(super) fn at(&self, cos: f64) -> [f64; C] {
+        let t = cos.clamp(0.0, 1.0).sqrt() * (NODES - 1) as f64;
+        let i = (t as usize).min(NODES - 2);
+        let u = t - i as f64;
+        core::array::from_fn(|c| self.0[i][c] * (1.0 - u) + self.0[i + 1][c] * u)
+    }
+
+    /// 2∫ value·μ dμ, exactly: with x = √μ it is 4∫ value·x³ dx.
+    fn mean(&self) -> [f64; C] {
+        let h = 1.0 / (NODES - 1) as f64;
+        let mut sum = [0.0; C];
+        for (i, pair) in self.0.windows(2).enumerate() {
+            let (a, b) = (i as f64 * h, (i + 1) as f64 * h);
+            let fourth = (b.powi(4) - a.powi(4)) / 4.0;
+            let fifth = (b.powi(5) - a.powi(5)) / 5.0;
+            let right = (fifth - a * fourth) / h;
+            for c in 0..C {
+                sum[c] += 4.0 * (pair[0][c] * (fourth - right) + pair[1][c] * right);
+            }
+        }
+        sum
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self.0.as_slice())
+    }
+}
+
+/// The tables of a stack, in double precision.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Tables<const C: usize> {
+    /// The share of light that gets to a diffuse base; none where the closed form of a smooth coat holds.
+    pub(super) transmitted: Option<Curve<C>>,
+    /// The share of Lambertian light from the base that returns to it.
+    pub(super) internal: [f64; C],
+    /// What the base reflects of Lambertian light.
+    pub(super) base: [f64; C],
+    /// What is left to fit to the walk; none where one interface is all there is.
+    pub(super) closure: Option<Closure<C>>,
+    pub(super) build_time: Duration,
+}
+
+/// The factor of the lower layers for each direction, and the albedo that is missing.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Closure<const C: usize> {
+    pub(super) scale: Curve<C>,
+    pub(super) missing: Curve<C>,
+    /// 1/(π·mean of `missing`), 0 where nothing is missing.
+    pub(super) inverse: [f64; C],
+}
+
+/// The effective interfaces: those between media that differ, and the base.
+fn effective<const C: usize>(layers: &[Layer<f64, C>]) -> Vec<usize> {
+    let mut n_above = 1.0;
+    let mut found = Vec::new();
+    for (position, layer) in layers.iter().enumerate() {
+        match &layer.interface {
+            Interface::Microfacet { n, k, .. } => {
+                if !super::coupled::matched(n[0], n_above) || k.iter().any(|k| *k != 0.0) {
+                    found.push(position);
+                }
+                n_above = n[0];
+            }
+            Interface::Diffuse { .. } => found.push(position),
+        }
+    }
+    found
+}
+
+impl<const C: usize> Tables<C> {
+    pub(super) fn build(layers: &[Layer<f64, C>]) -> Self {
+        let start = Instant::now();
+        let mut tables = Tables {
+            transmitted: None,
+            internal: [0.0; C],
+            base: [0.0; C],
+            closure: None,
+            build_time: Duration::ZERO,
+        };
+        let met = effective(layers);
+        // The walk ignores the model; this one keeps the stack from asking for tables.
+        if let (true, Ok(stack)) = (met.len() > 1, Stack::new(Model::Conserving, layers.to_vec())) {
+            if let Some(Layer { interface: Interface::Diffuse { albedo, sigma }, .. }) = layers.last() {
+                tables.base = base_albedo(albedo, *sigma);
+                tables.couple(&stack, &met);
+            }
+            tables.close(&stack);
+        }
+        tables.build_time = start.elapsed();
+        tables
+    }
+
+    /// What a coat does to a diffuse base.
+    fn couple(&mut self, stack: &Stack<f64, C>, met: &[usize]) {
+        let layers = stack.layers();
+        if let [coat, _] = *met
+            && let Interface::Microfacet { n, k, alpha } = &layers[coat].interface
+            && *alpha <= SMOOTH
+        {
+            self.internal = core::array::from_fn(|c| {
+                let below = &layers[coat..layers.len() - 1];
+                let depth = below.iter().map(|layer| layer.medium.sigma[c] * layer.medium.thickness).sum();
+                internal_reflectance(n[c], k[c], depth)
+            });
+            return;
+        }
+        let options = |seed: usize| Options { samples: WALKS, seed: 0x636f_6174 + seed as u32, ..Options::default() };
+        let raw: Vec<_> =
+            (0..NODES).map(|i| walk::arrived(stack, view(Curve::<C>::cosine(i)), &options(i))).collect();
+        // 1−F of the top alone leads: the fit has only the rest to follow.
+        let lead = |cos: f64| lead(layers, cos);
+        let fitted: Vec<[f64; C]> = fit(|i, c| {
+            let cos = Curve::<C>::cosine(i);
+            (raw[i].mean[c] - lead(cos)[c], raw[i].standard_error[c])
+        });
+        self.transmitted = Some(Curve::from_nodes(|i, cos| {
+            core::array::from_fn(|c| (lead(cos)[c] + fitted[i][c]).clamp(0.0, 1.0))
+        }));
+        let options = Options { samples: 16 * WALKS, ..options(NODES) };
+        self.internal = walk::returned(stack, &options).mean.map(|r| r.clamp(0.0, 1.0));
+    }
+
+    /// Fits the model's albedo to the walk's.
+    fn close(&mut self, stack: &Stack<f64, C>) {
+        let layers = stack.layers();
+        let nodes: Vec<Node<C>> = (0..NODES).map(|i| Node::integrate(layers, self, i)).collect();
+        let raw: Vec<_> = (0..NODES)
+            .map(|i| {
+                let options = Options { samples: WALKS, seed: 0x7761_6c6b + i as u32, ..Options::default() };
+                walk::albedo(stack, view(Curve::<C>::cosine(i)), &options)
+            })
+            .collect();
+        let ones = Curve::from_nodes(|_, _| [1.0; C]);
+        let plain: Vec<[f64; C]> = nodes.iter().map(|node| node.albedo(&ones, [1.0; C])).collect();
+        let fitted: Vec<[f64; C]> = fit(|i, c| (raw[i].mean[c] - plain[i][c], raw[i].standard_error[c]));
+        let target = |i: usize, c: usize| (plain[i][c] + fitted[i][c]).min(1.0);
+
+        let mut scale = ones;
+        for _ in 0..ROUNDS {
+            let next = Curve::from_nodes(|i, _| {
+                let albedo = nodes[i].albedo(&scale, scale.0[i]);
+                core::array::from_fn(|c| {
+                    let top = nodes[i].top[c];
+                    let (have, want) = (albedo[c] - top, (target(i, c) - top).max(0.0));
+                    let ratio = if have > 0.0 { (want / have).sqrt() } else { 1.0 };
+                    (scale.0[i][c] * ratio).min(1.0)
+                })
+            });
+            scale = next;
+        }
+        let missing = Curve::from_nodes(|i, _| {
+            let albedo = nodes[i].albedo(&scale, scale.0[i]);
+            core::array::from_fn(|c| (target(i, c) - albedo[c]).max(0.0))
+        });
+        let inverse = missing.mean().map(|mean| if mean > 1e-9 { FRAC_1_PI / mean } else { 0.0 });
+        self.closure = Some(Closure { scale, missing, inverse });
+    }
+
+    /// What the tables hold, on the heap and off it.
+    pub(super) fn bytes(&self) -> usize {
+        let curves = self.transmitted.iter().chain(self.closure.iter().flat_map(|c| [&c.scale, &c.missing]));
+        size_of::<Self>() + curves.map(Curve::bytes).sum::<usize>()
+    }
+}
+
+fn view(cos: f64) -> Vector<f64> {
+    Vector::new(((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt(), 0.0, cos)
+}
+
+/// The transmittance of a stack of smooth interfaces without interreflection, down to the base.
+fn lead<const C: usize>(layers: &[Layer<f64, C>], cos: f64) -> [f64; C] {
+    core::array::from_fn(|c| {
+        let (mut share, mut n_above, mut cos) = (1.0, 1.0, cos);
+        for layer in &layers[..layers.len() - 1] {
+            if let Interface::Microfacet { n, k, .. } = &layer.interface {
+                let (eta, kappa) = (n[c] / n_above, k[c] / n_above);
+                share *= fresnel::conductor(cos, eta, kappa).transmittance;
+                (cos, n_above) = (cos_t(cos, eta), n[c]);
+                let depth = layer.medium.sigma[c] * layer.medium.thickness;
+                share *= if depth > 0.0 { (-depth / cos.max(1e-300)).exp() } else { 1.0 };
+            }
+        }
+        share
+    })
+}
+
+/// The share of Lambertian light under a smooth interface that it sends back, through a medium of optical depth `tau`.
+///
+/// $$r_i(\tau) = 2\int_0^1 R(\mu)\,e^{-2\tau/\mu}\,\mu\,d\mu$$
+///
+/// In plain text: r_i = 2∫ R(μ)·exp(−2τ/μ)·μ dμ, R the Fresnel reflectance seen from below.
+///
+/// `n` > 0, `k` ≥ 0: the interface's index relative to the medium above it. `tau` = σ·d ≥ 0. 0 at n = 1, κ = 0, or
+/// τ → ∞. At n = 1.5: .59635 for τ = 0, .382 for .1, .258 for .2, .090 for .5. Error ≤ 1e-6.
+///
+/// Source: Saunderson 1942 (k₂); at τ = 0 it is 1 − (1−F̄)/n² (Egan & Hilgeman 1979).
+pub fn internal_reflectance(n: f64, k: f64, tau: f64) -> f64 {
+    let at = |mu: f64| {
+        let f = if k == 0.0 {
+            fresnel::dielectric(mu, 1.0 / n)
+        } else {
+            fresnel::conductor(cos_t(mu, 1.0 / n), n, k)
+        };
+        f.reflectance * (-2.0 * tau / mu).exp() * mu
+    };
+    // Split at the critical angle, where R has a root: u² as the distance to it.
+    let critical = (1.0 - 1.0 / (n * n)).max(0.0).sqrt();
+    let midpoints = |f: &dyn Fn(f64) -> f64| (0..2000).map(|i| f((f64::from(i) + 0.5) / 2000.0)).sum::<f64>() / 2000.0;
+    let below = midpoints(&|u| at(critical * u) * critical);
+    let above = midpoints(&|u| at(critical + (1.0 - critical) * u * u) * 2.0 * u * (1.0 - critical));
+    2.0 * (below + above)
+}
+
+/// What an Oren–Nayar base reflects of Lambertian light, by midpoints in both squared sines and the azimuth.
+fn base_albedo<const C: usize>(albedo: &[f64; C], sigma: f64) -> [f64; C] {
+    if sigma == 0.0 {
+        return *albedo;
+    }
+    const N: usize = 24;
+    let at = |i: usize| ((i as f64 + 0.5) / N as f64).sqrt();
+    let mut sum = [0.0; C];
+    for i in 0..N * N * N {
+        let (wi, cos) = (view(at(i % N)), at(i / N % N));
+        let (sin, phi) = ((1.0 - cos * cos).sqrt(), PI * ((i / N / N) as f64 + 0.5) / N as f64);
+        let base = diffuse::oren_nayar(wi, Vector::new(sin * phi.cos(), sin * phi.sin(), cos), sigma);
+        for c in 0..C {
+            sum[c] += PI * base.f(albedo[c]) / (N * N * N) as f64;
+        }
+    }
+    sum.map(|rho| rho.min(1.0))
+}
+
+/// The model's f around one direction, ready to be summed.
+struct Node<const C: usize> {
+    /// The albedo of the top interface.
+    top: [f64; C],
+    /// The cosine of the other direction, and f·cos/pdf of the lower layers there.
+    lower: Vec<(f64, [f64; C])>,
+}
+
+impl<const C: usize> Node<C> {
+    fn integrate(layers: &[Layer<f64, C>], tables: &Tables<C>, node: usize) -> Self {
+        let wo = view(Curve::<C>::cosine(node));
+        // Every interface under the index of what is above it; the directions of a middle channel serve all.
+        let mut n_above = 1.0;
+        let mut lobes = Vec::new();
+        for layer in layers {
+            if let Interface::Microfacet { n, alpha, .. } = &layer.interface {
+                lobes.push((n_above, *alpha));
+                n_above = n[C / 2];
+            }
+        }
+        let density = |wi: Vector<f64>| {
+            let of = |&(n, alpha): &(f64, f64)| {
+                let (a, b) = (refract(wo, n), refract(wi, n));
+                if a.z <= 0.0 || b.z <= 0.0 {
+                    return 0.0;
+                }
+                walk::reflection(a, b, alpha).density * wi.z / (n * n * b.z)
+            };
+            wi.z * FRAC_1_PI + lobes.iter().map(of).sum::<f64>()
+        };
+        let mut found = Node { top: [0.0; C], lower: Vec::new() };
+        for i in 0..POINTS {
+            // The root of x⁴ = x + 1, shifted from node to node (Roberts 2018).
+            const G: f64 = 1.220_744_084_605_759_6;
+            let u = [1, 2, 3].map(|axis| (0.5 + (i + 1) as f64 / G.powi(axis) + node as f64 * 0.618_033_988_75).fract());
+            for lobe in 0..=lobes.len() {
+                let wi = match lobes.get(lobe) {
+                    None => {
+                        let ([x, y], radius) = (walk::circle(u[1]), u[0].sqrt());
+                        Vector::new(radius * x, radius * y, (1.0 - u[0]).sqrt())
+                    }
+                    Some(&(n, alpha)) => {
+                        let a = refract(wo, n);
+                        if a.z <= 0.0 {
+                            continue;
+                        }
+                        let b = walk::reflected(a, walk::visible_normal(a, alpha, u));
+                        if b.z <= 0.0 { continue } else { refract(b, 1.0 / n) }
+                    }
+                };
+                if wi.z <= 0.0 {
+                    continue;
+                }
+                let weight = wi.z / (density(wi) * POINTS as f64);
+                let (top, lower) = super::coupled::parts(layers, tables, wi, wo);
+                for c in 0..C {
+                    found.top[c] += top[c] * weight;
+                }
+                found.lower.push((wi.z, lower.map(|f| f * weight)));
+            }
+        }
+        found
+    }
+
+    /// The albedo with the lower layers scaled by a factor of each direction.
+    fn albedo(&self, scale: &Curve<C>, here: [f64; C]) -> [f64; C] {
+        let mut sum = [0.0; C];
+        for (cos, lower) in &self.lower {
+            let there = scale.at(*cos);
+            for c in 0..C {
+                sum[c] += lower[c] * there[c];
+            }
+        }
+        core::array::from_fn(|c| self.top[c] + here[c] * sum[c])
+    }
+}
+
+/// The weighted least-squares polynomial in √μ through noisy nodes, at the nodes: value and standard error of each.
+fn fit<const C: usize>(noisy: impl Fn(usize, usize) -> (f64, f64)) -> Vec<[f64; C]> {
+    let basis = |i: usize| {
+        let x = 2.0 * i as f64 / (NODES - 1) as f64 - 1.0;
+        let mut p = [1.0; TERMS];
+        p[1] = x;
+        for k in 2..TERMS {
+            let k_ = k as f64;
+            p[k] = ((2.0 * k_ - 1.0) * x * p[k - 1] - (k_ - 1.0) * p[k - 2]) / k_;
+        }
+        p
+    };
+    let mut fitted = vec![[0.0; C]; NODES];
+    for c in 0..C {
+        // Normal equations, the right-hand side as the last column. Where no walk was lost or won an error says little:
+        // the floor keeps such a node from ruling the others.
+        let mut rows = [[0.0; TERMS + 1]; TERMS];
+        for i in 0..NODES {
+            let ((value, error), p) = (noisy(i, c), basis(i));
+            let weight = 1.0 / (error * error + 2.5e-7);
+            for (row, pr) in rows.iter_mut().zip(p) {
+                for (entry, pc) in row.iter_mut().zip(p.into_iter().chain([value])) {
+                    *entry += weight * pr * pc;
+                }
+            }
+        }
+        // Positive definite: elimination needs no pivots.
+        for pivot in 0..TERMS {
+            let top = rows[pivot];
+            for (r, row) in rows.iter_mut().enumerate() {
+                if r != pivot {
+                    let factor = row[pivot] / top[pivot];
+                    row.iter_mut().zip(top).for_each(|(entry, top)| *entry -= factor * top);
+                }
+            }
+        }
+        for (i, fitted) in fitted.iter_mut().enumerate() {
+            fitted[c] = basis(i).into_iter().enumerate().map(|(k, p)| p * rows[k][TERMS] / rows[k][k]).sum();
+        }
+    }
+    fitted
+}
