@@ -120,6 +120,10 @@ pub(super) fn evaluate<R: Real, const C: usize>(
             let missing = R::from_f64(missing_i[c] * missing_o[c] * closure.inverse[c]);
             f[c] = f[c] + lower[c] * scale + missing;
         }
+    } else {
+        for (f, lower) in f.iter_mut().zip(lower) {
+            *f = *f + lower;
+        }
     }
     f
 }

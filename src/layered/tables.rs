@@ -14,13 +14,13 @@ use std::vec::Vec;
 pub(super) const NODES: usize = 32;
 /// Walks per node and table. The albedo of one walk has a standard deviation of .2 to .5, so a node is known to .001 to
 /// .003, and the fit through the nodes to half of that.
-const WALKS: u32 = 1 << 15;
+const WALKS: u32 = 1 << 14;
 /// Coats of at most this width count as smooth: the closed form is then within α² of the rough one.
 const SMOOTH: f64 = 0.02;
 /// Quadrature points per lobe and node; the points are those of a rank-1 sequence, whose error here is below .001.
 const POINTS: usize = 2048;
 /// The polynomial that is fitted through the differences to the walk, its number of coefficients.
-const TERMS: usize = 8;
+const TERMS: usize = 12;
 /// Rounds that balance the scale; each halves what is left at least.
 const ROUNDS: usize = 12;
 
@@ -122,11 +122,16 @@ impl<const C: usize> Tables<C> {
         let met = effective(layers);
         // The walk ignores the model; this one keeps the stack from asking for tables.
         if let (true, Ok(stack)) = (met.len() > 1, Stack::new(Model::Conserving, layers.to_vec())) {
+            // A Lambert base under one interface is exact as it is.
+            let mut exact = false;
             if let Some(Layer { interface: Interface::Diffuse { albedo, sigma }, .. }) = layers.last() {
                 tables.base = base_albedo(albedo, *sigma);
                 tables.couple(&stack, &met);
+                exact = *sigma == 0.0 && met.len() == 2;
             }
-            tables.close(&stack);
+            if !exact {
+                tables.close(&stack);
+            }
         }
         tables.build_time = start.elapsed();
         tables
@@ -146,53 +151,40 @@ impl<const C: usize> Tables<C> {
             });
             return;
         }
-        let options = |seed: usize| Options { samples: WALKS, seed: 0x636f_6174 + seed as u32, ..Options::default() };
-        let raw: Vec<_> =
-            (0..NODES).map(|i| walk::arrived(stack, view(Curve::<C>::cosine(i)), &options(i))).collect();
-        // 1−F of the top alone leads: the fit has only the rest to follow.
-        let lead = |cos: f64| lead(layers, cos);
-        let fitted: Vec<[f64; C]> = fit(|i, c| {
-            let cos = Curve::<C>::cosine(i);
-            (raw[i].mean[c] - lead(cos)[c], raw[i].standard_error[c])
-        });
-        self.transmitted = Some(Curve::from_nodes(|i, cos| {
-            core::array::from_fn(|c| (lead(cos)[c] + fitted[i][c]).clamp(0.0, 1.0))
-        }));
-        let options = Options { samples: 16 * WALKS, ..options(NODES) };
+        let raw: Vec<_> = (0..NODES)
+            .map(|i| walk::arrived(stack, view(Curve::<C>::cosine(i)), &options(0x636f_6174, i)))
+            .collect();
+        // No fit: that a walk may not be reflected at the top has taken most of the noise already.
+        self.transmitted = Some(Curve::from_nodes(|i, _| raw[i].mean.map(|share| share.clamp(0.0, 1.0))));
+        let options = Options { samples: 32 * WALKS, ..options(0x6261_7365, 0) };
         self.internal = walk::returned(stack, &options).mean.map(|r| r.clamp(0.0, 1.0));
     }
 
-    /// Fits the model's albedo to the walk's.
+    /// Fits the albedo of what lies under the top interface to the walk's.
     fn close(&mut self, stack: &Stack<f64, C>) {
-        let layers = stack.layers();
-        let nodes: Vec<Node<C>> = (0..NODES).map(|i| Node::integrate(layers, self, i)).collect();
+        let nodes: Vec<Node<C>> = (0..NODES).map(|i| Node::integrate(stack.layers(), self, i)).collect();
         let raw: Vec<_> = (0..NODES)
-            .map(|i| {
-                let options = Options { samples: WALKS, seed: 0x7761_6c6b + i as u32, ..Options::default() };
-                walk::albedo(stack, view(Curve::<C>::cosine(i)), &options)
-            })
+            .map(|i| walk::lower_albedo(stack, view(Curve::<C>::cosine(i)), &options(0x7761_6c6b, i)))
             .collect();
         let ones = Curve::from_nodes(|_, _| [1.0; C]);
-        let plain: Vec<[f64; C]> = nodes.iter().map(|node| node.albedo(&ones, [1.0; C])).collect();
+        let plain: Vec<[f64; C]> = (0..NODES).map(|i| nodes[i].lower_albedo(&ones, i)).collect();
         let fitted: Vec<[f64; C]> = fit(|i, c| (raw[i].mean[c] - plain[i][c], raw[i].standard_error[c]));
-        let target = |i: usize, c: usize| (plain[i][c] + fitted[i][c]).min(1.0);
+        let target = |i: usize, c: usize| (plain[i][c] + fitted[i][c]).clamp(0.0, (1.0 - nodes[i].top[c]).max(0.0));
 
         let mut scale = ones;
         for _ in 0..ROUNDS {
             let next = Curve::from_nodes(|i, _| {
-                let albedo = nodes[i].albedo(&scale, scale.0[i]);
+                let have = nodes[i].lower_albedo(&scale, i);
                 core::array::from_fn(|c| {
-                    let top = nodes[i].top[c];
-                    let (have, want) = (albedo[c] - top, (target(i, c) - top).max(0.0));
-                    let ratio = if have > 0.0 { (want / have).sqrt() } else { 1.0 };
+                    let ratio = if have[c] > 0.0 { (target(i, c) / have[c]).sqrt() } else { 1.0 };
                     (scale.0[i][c] * ratio).min(1.0)
                 })
             });
             scale = next;
         }
         let missing = Curve::from_nodes(|i, _| {
-            let albedo = nodes[i].albedo(&scale, scale.0[i]);
-            core::array::from_fn(|c| (target(i, c) - albedo[c]).max(0.0))
+            let have = nodes[i].lower_albedo(&scale, i);
+            core::array::from_fn(|c| (target(i, c) - have[c]).max(0.0))
         });
         let inverse = missing.mean().map(|mean| if mean > 1e-9 { FRAC_1_PI / mean } else { 0.0 });
         self.closure = Some(Closure { scale, missing, inverse });
@@ -205,25 +197,19 @@ impl<const C: usize> Tables<C> {
     }
 }
 
-fn view(cos: f64) -> Vector<f64> {
-    Vector::new(((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt(), 0.0, cos)
+/// The walks of a node. The fit smooths the middle by a factor of two and the ends not at all: the normal, which most
+/// light sees, gets more of them, and grazing, which next to none does, fewer.
+fn options(seed: u32, node: usize) -> Options {
+    let samples = match node {
+        0..4 => WALKS / 4,
+        30.. => WALKS * 4,
+        _ => WALKS,
+    };
+    Options { samples, seed: seed + node as u32, ..Options::default() }
 }
 
-/// The transmittance of a stack of smooth interfaces without interreflection, down to the base.
-fn lead<const C: usize>(layers: &[Layer<f64, C>], cos: f64) -> [f64; C] {
-    core::array::from_fn(|c| {
-        let (mut share, mut n_above, mut cos) = (1.0, 1.0, cos);
-        for layer in &layers[..layers.len() - 1] {
-            if let Interface::Microfacet { n, k, .. } = &layer.interface {
-                let (eta, kappa) = (n[c] / n_above, k[c] / n_above);
-                share *= fresnel::conductor(cos, eta, kappa).transmittance;
-                (cos, n_above) = (cos_t(cos, eta), n[c]);
-                let depth = layer.medium.sigma[c] * layer.medium.thickness;
-                share *= if depth > 0.0 { (-depth / cos.max(1e-300)).exp() } else { 1.0 };
-            }
-        }
-        share
-    })
+fn view(cos: f64) -> Vector<f64> {
+    Vector::new(((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt(), 0.0, cos)
 }
 
 /// The share of Lambertian light under a smooth interface that it sends back, through a medium of optical depth `tau`.
@@ -336,8 +322,8 @@ impl<const C: usize> Node<C> {
         found
     }
 
-    /// The albedo with the lower layers scaled by a factor of each direction.
-    fn albedo(&self, scale: &Curve<C>, here: [f64; C]) -> [f64; C] {
+    /// The albedo of the lower layers, scaled by a factor of each direction; this one is that of node `i`.
+    fn lower_albedo(&self, scale: &Curve<C>, i: usize) -> [f64; C] {
         let mut sum = [0.0; C];
         for (cos, lower) in &self.lower {
             let there = scale.at(*cos);
@@ -345,7 +331,7 @@ impl<const C: usize> Node<C> {
                 sum[c] += lower[c] * there[c];
             }
         }
-        core::array::from_fn(|c| self.top[c] + here[c] * sum[c])
+        core::array::from_fn(|c| scale.0[i][c] * sum[c])
     }
 }
 
@@ -363,12 +349,12 @@ fn fit<const C: usize>(noisy: impl Fn(usize, usize) -> (f64, f64)) -> Vec<[f64; 
     };
     let mut fitted = vec![[0.0; C]; NODES];
     for c in 0..C {
-        // Normal equations, the right-hand side as the last column. Where no walk was lost or won an error says little:
-        // the floor keeps such a node from ruling the others.
+        // Normal equations, the right-hand side as the last column. Grazing nodes know their values best, and matter
+        // least: the floor keeps them from ruling the others.
         let mut rows = [[0.0; TERMS + 1]; TERMS];
         for i in 0..NODES {
             let ((value, error), p) = (noisy(i, c), basis(i));
-            let weight = 1.0 / (error * error + 2.5e-7);
+            let weight = 1.0 / (error * error + 4e-6);
             for (row, pr) in rows.iter_mut().zip(p) {
                 for (entry, pc) in row.iter_mut().zip(p.into_iter().chain([value])) {
                     *entry += weight * pr * pc;

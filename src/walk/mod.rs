@@ -52,7 +52,7 @@ pub use facets::{
 use crate::frame::Vector;
 use crate::layered::{Interface, Layer, Stack};
 use crate::real::Real;
-use interface::{Interfaces, Source};
+use interface::{Interfaces, Source, Way};
 
 /// How many walks, and which.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -154,7 +154,19 @@ pub fn evaluate<const C: usize>(
 pub fn albedo<const C: usize>(stack: &Stack<f64, C>, wo: impl Into<Vector<f64>>, options: &Options) -> Estimate<C> {
     let wo = wo.into();
     fn walks<const K: usize>(stack: &Interfaces<f64, K>, wo: Vector<f64>, options: &Options) -> Estimate<K> {
-        estimate::mean(options, |source| path::escaped(stack, options.microsurface, wo, source))
+        estimate::mean(options, |source| path::escaped(stack, options.microsurface, wo, Way::Both, source))
+    }
+    if disperses(stack.layers()) {
+        by_channel(|channel| walks::<1>(&Interfaces::new(stack.layers(), channel), wo, options))
+    } else {
+        walks::<C>(&Interfaces::new(stack.layers(), 0), wo, options)
+    }
+}
+
+/// [`albedo`] less what the top interface reflects; of a stack of two interfaces or more.
+pub(crate) fn lower_albedo<const C: usize>(stack: &Stack<f64, C>, wo: Vector<f64>, options: &Options) -> Estimate<C> {
+    fn walks<const K: usize>(stack: &Interfaces<f64, K>, wo: Vector<f64>, options: &Options) -> Estimate<K> {
+        estimate::mean(options, |source| path::escaped(stack, options.microsurface, wo, Way::Transmission, source))
     }
     if disperses(stack.layers()) {
         by_channel(|channel| walks::<1>(&Interfaces::new(stack.layers(), channel), wo, options))

@@ -104,11 +104,13 @@ pub(super) fn transmitted<R: Real<Mask = bool>, const K: usize>(
     sum
 }
 
-/// One sample of the directional albedo: the weight with which a walk from `wo` leaves the stack.
+/// One sample of the directional albedo: the weight with which a walk from `wo` leaves the stack. `entry` is what it may
+/// do at the top: [`Way::Transmission`] leaves out what the top reflects.
 pub(super) fn escaped<R: Real<Mask = bool>, const K: usize>(
     stack: &Interfaces<R, K>,
     facets: Microsurface,
     wo: Vector<R>,
+    entry: Way,
     source: Source,
 ) -> [R; K] {
     let lost = [R::ZERO; K];
@@ -122,7 +124,11 @@ pub(super) fn escaped<R: Real<Mask = bool>, const K: usize>(
     let mut medium = 0;
     for step in 0..LONGEST {
         let at = if direction.z.lt(R::ZERO) { medium } else { medium - 1 };
-        let way = if at == last { Way::Reflection } else { Way::Both };
+        let way = match step {
+            _ if at == last => Way::Reflection,
+            0 => entry,
+            _ => Way::Both,
+        };
         let Some(next) = interfaces[at].sample(facets, -direction, way, source.draw(2 * step + 1)) else { return lost };
         weight = product(weight, next.weight);
         direction = next.direction;
@@ -189,7 +195,9 @@ fn descend<R: Real<Mask = bool>, const K: usize>(
         }
         let at = if down { medium } else { medium - 1 };
         let random = source.draw(2 * step + 1);
-        let Some(next) = interfaces[at].sample(facets, -direction, Way::Both, random) else { return lost };
+        // What the top reflects never arrives.
+        let way = if medium == 0 { Way::Transmission } else { Way::Both };
+        let Some(next) = interfaces[at].sample(facets, -direction, way, random) else { return lost };
         weight = product(weight, next.weight);
         direction = next.direction;
         medium = if direction.z.lt(R::ZERO) { at + 1 } else { at };
