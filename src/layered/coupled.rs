@@ -36,7 +36,24 @@ impl<const C: usize> Lazy<C> {
 
 /// A stack prepared for the coupled model: [`Model::Coupled`](super::Model::Coupled) with its cost in sight.
 ///
-/// COST
+/// # Cost
+///
+/// Built once per stack, when first evaluated or here, and shared by its copies, in whatever precision. Single interfaces
+/// and Lambert bases under a smooth coat (α ≤ .02) cost less than a millisecond and 160 bytes at three channels. Otherwise
+/// up to a million walks: .3 to .5 s on two cores for two interfaces, 1.5 s for three or where the top one disperses; and
+/// 64·C numbers, 1.7 kB at three channels, half as much more over an Oren–Nayar base. [`Coupled::build_time`] and
+/// [`Coupled::bytes`] say it of a given stack. An evaluation then costs four look-ups more than the conserving model.
+///
+/// # Error
+///
+/// Against the walk's directional albedo, 0–80° (`tests/coupled.rs`): within .5 % for a Lambert base of .5 under n = 1.5,
+/// α = .1 and .3, and within .6 % for copper, α₁/α₂ = .1/.1, .1/.3, .3/.1 (measured at most .4 % with standard errors of
+/// .1 %). Single pairs of directions are further off, for a lobe under a rough coat keeps its width here while the truth
+/// is wider: a test states by how much. The tables are walks, so equal stacks give equal results, with a noise of .2 %.
+///
+/// A base that gains energy by itself (Oren–Nayar, ρ near 1) keeps doing so where there is no coat.
+///
+/// # Example
 ///
 /// ```
 /// use brdf::layered::{Coupled, Interface, Layer, Model, Stack};
@@ -179,7 +196,11 @@ fn recurse<R: Real, const C: usize, const K: usize>(
                 let through = curve.map(|curve| (curve.at(outer_i), curve.at(outer_o)));
                 let compression = R::ONE / (n_above * n_above);
                 for c in 0..K {
-                    let once = if flat { R::select(lit, albedo[first + c] * R::FRAC_1_PI, R::ZERO) } else { base.f(albedo[first + c]) };
+                    let once = if flat {
+                        R::select(lit, albedo[first + c] * R::FRAC_1_PI, R::ZERO)
+                    } else {
+                        base.f(albedo[first + c])
+                    };
                     let (r, rho) = (tables.internal[first + c], tables.base[first + c]);
                     let again = R::select(lit, R::from_f64(rho * rho * r / (1.0 - rho * r)) * R::FRAC_1_PI, R::ZERO);
                     let weight = match &through {

@@ -21,6 +21,10 @@ const SMOOTH: f64 = 0.02;
 const POINTS: usize = 2048;
 /// The polynomial that is fitted through the differences to the walk, its number of coefficients.
 const TERMS: usize = 12;
+/// The largest r_i: a series that loses less than this has no light to lose.
+const ENDLESS: f64 = 1.0 - 1e-9;
+/// How far below 1 the fitted albedo stays: what quadrature and interpolation may add between the nodes.
+const MARGIN: f64 = 1e-3;
 /// Rounds that balance the scale; each halves what is left at least.
 const ROUNDS: usize = 12;
 
@@ -112,13 +116,8 @@ fn effective<const C: usize>(layers: &[Layer<f64, C>]) -> Vec<usize> {
 impl<const C: usize> Tables<C> {
     pub(super) fn build(layers: &[Layer<f64, C>]) -> Self {
         let start = Instant::now();
-        let mut tables = Tables {
-            transmitted: None,
-            internal: [0.0; C],
-            base: [0.0; C],
-            closure: None,
-            build_time: Duration::ZERO,
-        };
+        let mut tables =
+            Tables { transmitted: None, internal: [0.0; C], base: [0.0; C], closure: None, build_time: Duration::ZERO };
         let met = effective(layers);
         // The walk ignores the model; this one keeps the stack from asking for tables.
         if let (true, Ok(stack)) = (met.len() > 1, Stack::new(Model::Conserving, layers.to_vec())) {
@@ -147,17 +146,28 @@ impl<const C: usize> Tables<C> {
             self.internal = core::array::from_fn(|c| {
                 let below = &layers[coat..layers.len() - 1];
                 let depth = below.iter().map(|layer| layer.medium.sigma[c] * layer.medium.thickness).sum();
-                internal_reflectance(n[c], k[c], depth)
+                internal_reflectance(n[c], k[c], depth).clamp(0.0, ENDLESS)
             });
             return;
         }
-        let raw: Vec<_> = (0..NODES)
-            .map(|i| walk::arrived(stack, view(Curve::<C>::cosine(i)), &options(0x636f_6174, i)))
-            .collect();
+        let raw: Vec<_> =
+            (0..NODES).map(|i| walk::arrived(stack, view(Curve::<C>::cosine(i)), &options(0x636f_6174, i))).collect();
         // No fit: that a walk may not be reflected at the top has taken most of the noise already.
         self.transmitted = Some(Curve::from_nodes(|i, _| raw[i].mean.map(|share| share.clamp(0.0, 1.0))));
         let options = Options { samples: 32 * WALKS, ..options(0x6261_7365, 0) };
-        self.internal = walk::returned(stack, &options).mean.map(|r| r.clamp(0.0, 1.0));
+        let returned = walk::returned(stack, &options).mean;
+        // What leaves by reciprocity cannot return: the mean of E_T over n² bounds r_i, and is known better.
+        let leaves = self.transmitted.as_ref().map_or([0.0; C], Curve::mean);
+        let n_base = |c: usize| {
+            layers.iter().rev().find_map(|layer| match &layer.interface {
+                Interface::Microfacet { n, .. } => Some(n[c]),
+                Interface::Diffuse { .. } => None,
+            })
+        };
+        self.internal = core::array::from_fn(|c| {
+            let n = n_base(c).unwrap_or(1.0);
+            returned[c].min(1.0 - leaves[c] / (n * n)).clamp(0.0, ENDLESS)
+        });
     }
 
     /// Fits the albedo of what lies under the top interface to the walk's.
@@ -169,7 +179,8 @@ impl<const C: usize> Tables<C> {
         let ones = Curve::from_nodes(|_, _| [1.0; C]);
         let plain: Vec<[f64; C]> = (0..NODES).map(|i| nodes[i].lower_albedo(&ones, i)).collect();
         let fitted: Vec<[f64; C]> = fit(|i, c| (raw[i].mean[c] - plain[i][c], raw[i].standard_error[c]));
-        let target = |i: usize, c: usize| (plain[i][c] + fitted[i][c]).clamp(0.0, (1.0 - nodes[i].top[c]).max(0.0));
+        let target =
+            |i: usize, c: usize| (plain[i][c] + fitted[i][c]).clamp(0.0, (1.0 - MARGIN - nodes[i].top[c]).max(0.0));
 
         let mut scale = ones;
         for _ in 0..ROUNDS {
@@ -224,11 +235,7 @@ fn view(cos: f64) -> Vector<f64> {
 /// Source: Saunderson 1942 (k₂); at τ = 0 it is 1 − (1−F̄)/n² (Egan & Hilgeman 1979).
 pub fn internal_reflectance(n: f64, k: f64, tau: f64) -> f64 {
     let at = |mu: f64| {
-        let f = if k == 0.0 {
-            fresnel::dielectric(mu, 1.0 / n)
-        } else {
-            fresnel::conductor(cos_t(mu, 1.0 / n), n, k)
-        };
+        let f = if k == 0.0 { fresnel::dielectric(mu, 1.0 / n) } else { fresnel::conductor(cos_t(mu, 1.0 / n), n, k) };
         f.reflectance * (-2.0 * tau / mu).exp() * mu
     };
     // Split at the critical angle, where R has a root: u² as the distance to it.
@@ -292,7 +299,8 @@ impl<const C: usize> Node<C> {
         for i in 0..POINTS {
             // The root of x⁴ = x + 1, shifted from node to node (Roberts 2018).
             const G: f64 = 1.220_744_084_605_759_6;
-            let u = [1, 2, 3].map(|axis| (0.5 + (i + 1) as f64 / G.powi(axis) + node as f64 * 0.618_033_988_75).fract());
+            let u =
+                [1, 2, 3].map(|axis| (0.5 + (i + 1) as f64 / G.powi(axis) + node as f64 * 0.618_033_988_75).fract());
             for lobe in 0..=lobes.len() {
                 let wi = match lobes.get(lobe) {
                     None => {
