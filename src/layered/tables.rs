@@ -23,9 +23,15 @@ const POINTS: usize = 2048;
 const TERMS: usize = 12;
 /// The largest r_i: a series that loses less than this has no light to lose.
 const ENDLESS: f64 = 1.0 - 1e-9;
+/// The largest factor of a direction.
+const LIFT: f64 = 3.0;
+/// The share of the missing albedo that widens nothing: it scales the lobes that are there. The rest goes over the whole
+/// hemisphere. Chosen by the f of copper under n = 1.5, α₁/α₂ = .1/.1, .1/.3, .3/.1: there 1 leaves the sides of a lobe
+/// dark, and 0 (the form of Kulla & Conty) makes them up to nine times too bright.
+const LOBES: f64 = 0.85;
 /// How far below 1 the fitted albedo stays: what quadrature and interpolation may add between the nodes.
 const MARGIN: f64 = 1e-3;
-/// Rounds that balance the scale; each halves what is left at least.
+/// Rounds that balance the scale.
 const ROUNDS: usize = 12;
 
 /// A function of the cosine for each channel, linear in √μ between [`NODES`] nodes: dense at grazing, where things change.
@@ -182,13 +188,16 @@ impl<const C: usize> Tables<C> {
         let target =
             |i: usize, c: usize| (plain[i][c] + fitted[i][c]).clamp(0.0, (1.0 - MARGIN - nodes[i].top[c]).max(0.0));
 
+        let most = if reflects_totally(stack.layers()) { 1.0 } else { LIFT };
         let mut scale = ones;
         for _ in 0..ROUNDS {
             let next = Curve::from_nodes(|i, _| {
                 let have = nodes[i].lower_albedo(&scale, i);
                 core::array::from_fn(|c| {
-                    let ratio = if have[c] > 0.0 { (target(i, c) / have[c]).sqrt() } else { 1.0 };
-                    (scale.0[i][c] * ratio).min(1.0)
+                    let (plain, target) = (plain[i][c], target(i, c));
+                    let wanted = if target > plain { plain + LOBES * (target - plain) } else { target };
+                    let ratio = if have[c] > 0.0 { (wanted / have[c]).sqrt() } else { 1.0 };
+                    (scale.0[i][c] * ratio).min(most)
                 })
             });
             scale = next;
@@ -206,6 +215,21 @@ impl<const C: usize> Tables<C> {
         let curves = self.transmitted.iter().chain(self.closure.iter().flat_map(|c| [&c.scale, &c.missing]));
         size_of::<Self>() + curves.map(Curve::bytes).sum::<usize>()
     }
+}
+
+/// True where light passes into a medium of a smaller index. There the albedo of what lies below ends at the critical
+/// angle, which falls between nodes; no factor above 1 is to be interpolated across it.
+fn reflects_totally<const C: usize>(layers: &[Layer<f64, C>]) -> bool {
+    let mut n_above = [1.0; C];
+    let passed = &layers[..layers.len().saturating_sub(1)];
+    passed.iter().any(|layer| match &layer.interface {
+        Interface::Microfacet { n, .. } => {
+            let thinner = n.iter().zip(n_above).any(|(n, n_above)| *n < n_above);
+            n_above = *n;
+            thinner
+        }
+        Interface::Diffuse { .. } => false,
+    })
 }
 
 /// The walks of a node. The fit smooths the middle by a factor of two and the ends not at all: the normal, which most
