@@ -177,6 +177,10 @@ pub(super) fn matched(n: f64, n_above: f64) -> bool {
     (n / n_above - 1.0).abs() < 1e-7
 }
 
+/// The interface above one: its relative indices n and κ, the ratio that directions refract by, and what the medium
+/// between the two lets through.
+type Mirror<R, const K: usize> = ([(R, R); K], R, [R; K]);
+
 /// [`parts`] of `K` channels from `first` on, which share one pair of directions.
 #[inline]
 fn recurse<R: Real, const C: usize, const K: usize>(
@@ -189,8 +193,7 @@ fn recurse<R: Real, const C: usize, const K: usize>(
     let (mut top, mut lower) = ([R::ZERO; K], [R::ZERO; K]);
     let (outer_i, outer_o) = (wi.z.to_f64(), wo.z.to_f64());
     let mut weight = [R::ONE; K];
-    // What the interface above sends back down, and what the medium between absorbs of it.
-    let mut above: Option<([(R, R); K], R, [R; K])> = None;
+    let mut above: Option<Mirror<R, K>> = None;
     let (mut wi, mut wo, mut n_above) = (wi, wo, R::ONE);
     let mut entered = false;
     for (position, layer) in layers.iter().enumerate() {

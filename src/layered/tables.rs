@@ -345,8 +345,8 @@ impl<const C: usize> Node<C> {
                 }
                 let weight = wi.z / (density(wi) * POINTS as f64);
                 let (top, lower) = super::coupled::parts(layers, tables, wi, wo);
-                for c in 0..C {
-                    found.top[c] += top[c] * weight;
+                for (sum, top) in found.top.iter_mut().zip(top) {
+                    *sum += top * weight;
                 }
                 found.lower.push((wi.z, lower.map(|f| f * weight)));
             }
