@@ -26,7 +26,7 @@ fn directions() -> Vec<(Vector<f32>, Vector<f32>)> {
 
 fn stacks(c: &mut Criterion) {
     let directions = directions();
-    for model in Model::ALL {
+    for model in Model::CLOSED_FORM {
         let mut group = c.benchmark_group(model.name());
         group.throughput(Throughput::Elements(directions.len() as u64));
         for material in built_in() {

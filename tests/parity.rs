@@ -52,7 +52,7 @@ fn built_in_stacks_agree_under_every_model() {
     use brdf::layered::Model;
     for gpu in adapters_for_tests() {
         for material in brdf::material::stack::built_in() {
-            for model in Model::ALL {
+            for model in Model::CLOSED_FORM {
                 let stack = material.stack.cast::<f32>().with_model(model);
                 let result = compare_stack(&gpu, &stack, 1_000).expect("a kernel that runs");
                 assert!(result.agrees(), "{} {model:?} on {}: {result:#?}", material.name, gpu.info());

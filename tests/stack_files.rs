@@ -261,7 +261,7 @@ fn unknown_keys_and_names_are_refused_with_the_nearest() {
     assert!(refused("zeta = 1\nbeta = 2\n").starts_with("line 1, zeta: unknown key"));
     assert_eq!(
         refused("model = \"Elec\""),
-        "line 1, model: unknown model \"Elec\", did you mean `elek`? Allowed: `elek`, `conserving`"
+        "line 1, model: unknown model \"Elec\", did you mean `elek`? Allowed: `elek`, `weidlich_wilkie`, `conserving`, `coupled`"
     );
     let unknown = refused(&EXAMPLE.replace("\"copper\"", "\"Aluminum\\n\""));
     let place = "line 7, layer[1].interface.conductor.metal";

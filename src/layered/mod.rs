@@ -8,18 +8,26 @@
 
 #[cfg(feature = "bytemuck")]
 mod buffer;
+#[cfg(feature = "std")]
+pub mod coupled;
 #[cfg(feature = "toml")]
 pub mod description;
 mod error;
 pub mod model;
+#[cfg(feature = "std")]
+mod tables;
 
 use crate::frame::Vector;
 use crate::real::Real;
 use alloc::vec::Vec;
 #[cfg(feature = "bytemuck")]
 pub use buffer::BufferLayer;
+#[cfg(feature = "std")]
+pub use coupled::Coupled;
 pub use error::StackError;
 pub use model::{conserving, elek, internal_reflection, weidlich_wilkie};
+#[cfg(feature = "std")]
+pub use tables::internal_reflectance;
 
 /// The widths that an interface may have.
 pub const ALPHA_RANGE: core::ops::RangeInclusive<f64> = 1e-4..=1.0;
@@ -121,11 +129,22 @@ pub enum Model {
     /// Full Fresnel transmittance of both directions and 1/n² compression: [`conserving`]. The default.
     #[default]
     Conserving,
+    /// [`Model::Conserving`] with the light that bounces between interfaces: [`coupled`]. Builds tables on first use;
+    /// [`Coupled`] says what they cost.
+    #[cfg(feature = "std")]
+    Coupled,
 }
 
 impl Model {
     /// Every model.
-    pub const ALL: [Model; 3] = [Model::Elek, Model::WeidlichWilkie, Model::Conserving];
+    #[cfg(feature = "std")]
+    pub const ALL: [Model; 4] = [Model::Elek, Model::WeidlichWilkie, Model::Conserving, Model::Coupled];
+    /// Every model.
+    #[cfg(not(feature = "std"))]
+    pub const ALL: [Model; 3] = Model::CLOSED_FORM;
+
+    /// The models that need no tables, which have twins in WGSL.
+    pub const CLOSED_FORM: [Model; 3] = [Model::Elek, Model::WeidlichWilkie, Model::Conserving];
 
     /// The name that stack files and the command line use.
     pub const fn name(self) -> &'static str {
@@ -133,6 +152,8 @@ impl Model {
             Model::Elek => "elek",
             Model::WeidlichWilkie => "weidlich_wilkie",
             Model::Conserving => "conserving",
+            #[cfg(feature = "std")]
+            Model::Coupled => "coupled",
         }
     }
 
@@ -143,10 +164,19 @@ impl Model {
 }
 
 /// A valid stack of layers over `C` colour channels, and the model that evaluates it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Stack<R, const C: usize> {
     layers: Vec<Layer<R, C>>,
     model: Model,
+    #[cfg(feature = "std")]
+    tables: coupled::Lazy<C>,
+}
+
+/// Equal layers under equal models; whether tables are built makes no difference.
+impl<R: PartialEq, const C: usize> PartialEq for Stack<R, C> {
+    fn eq(&self, other: &Self) -> bool {
+        self.layers == other.layers && self.model == other.model
+    }
 }
 
 impl<R: Real, const C: usize> Stack<R, C> {
@@ -158,7 +188,22 @@ impl<R: Real, const C: usize> Stack<R, C> {
     /// thickness, an albedo outside [0, 1], a diffuse base that is not the last layer, any number that is not finite.
     pub fn new(model: Model, layers: Vec<Layer<R, C>>) -> Result<Self, StackError> {
         error::validate(&layers)?;
-        Ok(Stack { layers, model })
+        Ok(Self::unchecked(model, layers))
+    }
+
+    fn unchecked(model: Model, layers: Vec<Layer<R, C>>) -> Self {
+        Stack {
+            layers,
+            model,
+            #[cfg(feature = "std")]
+            tables: coupled::Lazy::default(),
+        }
+    }
+
+    /// The tables of the coupled model, built or not.
+    #[cfg(feature = "std")]
+    fn tables(&self) -> &coupled::Lazy<C> {
+        &self.tables
     }
 
     /// The layers, from the top.
@@ -186,12 +231,19 @@ impl<R: Real, const C: usize> Stack<R, C> {
             Model::Elek => elek(&self.layers, wi, wo),
             Model::WeidlichWilkie => weidlich_wilkie(&self.layers, wi, wo),
             Model::Conserving => conserving(&self.layers, wi, wo),
+            #[cfg(feature = "std")]
+            Model::Coupled => coupled::evaluate(&self.layers, self.tables.get(&self.layers), wi, wo),
         }
     }
 
     /// The same stack over another number type.
     pub fn cast<S: Real>(&self) -> Stack<S, C> {
-        Stack { layers: self.layers.iter().map(Layer::cast).collect(), model: self.model }
+        Stack {
+            layers: self.layers.iter().map(Layer::cast).collect(),
+            model: self.model,
+            #[cfg(feature = "std")]
+            tables: self.tables.clone(),
+        }
     }
 }
 
@@ -207,6 +259,6 @@ impl<R: Real> Stack<R, 1> {
             },
             medium: Medium { sigma: [layer.medium.sigma[0]; C], thickness: layer.medium.thickness },
         };
-        Stack { layers: self.layers.iter().map(layer).collect(), model: self.model }
+        Stack::unchecked(self.model, self.layers.iter().map(layer).collect())
     }
 }

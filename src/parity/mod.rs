@@ -94,9 +94,9 @@ pub fn compare_source(gpu: &Gpu, twin: &Twin, source: &str, samples: usize) -> R
 ///
 /// # Errors
 ///
-/// Whatever stops the kernel from being built or run.
+/// Whatever stops the kernel from being built or run; a model without a twin.
 pub fn compare_stack(gpu: &Gpu, stack: &Stack<f32, 3>, samples: usize) -> Result<Comparison, GpuError> {
-    let twin = stack_twin(stack.model());
+    let twin = stack_twin(stack.model())?;
     let count = stack.layers().len();
     let narrowest = table::narrowest(stack.layers());
     let rows: Vec<Vec<f32>> = (0..samples as u64)
@@ -115,11 +115,12 @@ pub fn compare_stack(gpu: &Gpu, stack: &Stack<f32, 3>, samples: usize) -> Result
     Ok(judge(&twin, &double, &allowed, &rows, &outputs))
 }
 
-/// The twin that evaluates stacks under a model.
-fn stack_twin(model: Model) -> Twin {
-    let all = twins();
-    let position = all.iter().position(|twin| twin.module == "layered" && twin.function == model.name());
-    all[position.unwrap_or_default()]
+/// The twin that evaluates stacks under a model: one of [`Model::CLOSED_FORM`].
+fn stack_twin(model: Model) -> Result<Twin, GpuError> {
+    twins().into_iter().find(|twin| twin.module == "layered" && twin.function == model.name()).ok_or_else(|| {
+        let reason = "the model reads tables, and has no twin in WGSL".to_owned();
+        GpuError::Arguments { function: model.name().to_owned(), reason }
+    })
 }
 
 /// The results of a function on an adapter, and the names of its arguments and results.

@@ -59,7 +59,7 @@ pub use facets::{
 use crate::frame::Vector;
 use crate::layered::{Interface, Layer, Stack};
 use crate::real::Real;
-use interface::{Interfaces, Source};
+use interface::{Interfaces, Source, Way};
 
 /// How many walks, and which.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -161,12 +161,48 @@ pub fn evaluate<const C: usize>(
 pub fn albedo<const C: usize>(stack: &Stack<f64, C>, wo: impl Into<Vector<f64>>, options: &Options) -> Estimate<C> {
     let wo = wo.into();
     fn walks<const K: usize>(stack: &Interfaces<f64, K>, wo: Vector<f64>, options: &Options) -> Estimate<K> {
-        estimate::mean(options, |source| path::escaped(stack, options.microsurface, wo, source))
+        estimate::mean(options, |source| path::escaped(stack, options.microsurface, wo, Way::Both, source))
     }
     if disperses(stack.layers()) {
         by_channel(|channel| walks::<1>(&Interfaces::new(stack.layers(), channel), wo, options))
     } else {
         walks::<C>(&Interfaces::new(stack.layers(), 0), wo, options)
+    }
+}
+
+/// [`albedo`] less what the top interface reflects; of a stack of two interfaces or more.
+pub(crate) fn lower_albedo<const C: usize>(stack: &Stack<f64, C>, wo: Vector<f64>, options: &Options) -> Estimate<C> {
+    fn walks<const K: usize>(stack: &Interfaces<f64, K>, wo: Vector<f64>, options: &Options) -> Estimate<K> {
+        estimate::mean(options, |source| path::escaped(stack, options.microsurface, wo, Way::Transmission, source))
+    }
+    if disperses(stack.layers()) {
+        by_channel(|channel| walks::<1>(&Interfaces::new(stack.layers(), channel), wo, options))
+    } else {
+        walks::<C>(&Interfaces::new(stack.layers(), 0), wo, options)
+    }
+}
+
+/// The share of the light from `wo` that reaches the last interface, by any number of bounces between those above it.
+pub(crate) fn arrived<const C: usize>(stack: &Stack<f64, C>, wo: Vector<f64>, options: &Options) -> Estimate<C> {
+    fn walks<const K: usize>(stack: &Interfaces<f64, K>, wo: Vector<f64>, options: &Options) -> Estimate<K> {
+        estimate::mean(options, |source| path::arrived(stack, options.microsurface, wo, source))
+    }
+    if disperses(stack.layers()) {
+        by_channel(|channel| walks::<1>(&Interfaces::new(stack.layers(), channel), wo, options))
+    } else {
+        walks::<C>(&Interfaces::new(stack.layers(), 0), wo, options)
+    }
+}
+
+/// The share of Lambertian light from the last interface that those above it send back.
+pub(crate) fn returned<const C: usize>(stack: &Stack<f64, C>, options: &Options) -> Estimate<C> {
+    fn walks<const K: usize>(stack: &Interfaces<f64, K>, options: &Options) -> Estimate<K> {
+        estimate::mean(options, |source| path::returned(stack, options.microsurface, source))
+    }
+    if disperses(stack.layers()) {
+        by_channel(|channel| walks::<1>(&Interfaces::new(stack.layers(), channel), options))
+    } else {
+        walks::<C>(&Interfaces::new(stack.layers(), 0), options)
     }
 }
 

@@ -158,11 +158,13 @@ fn from_light<R: Real<Mask = bool>, const K: usize>(
     Some(light)
 }
 
-/// One sample of the directional albedo: the weight with which a walk from `wo` leaves the stack.
+/// One sample of the directional albedo: the weight with which a walk from `wo` leaves the stack. `entry` is what it may
+/// do at the top: [`Way::Transmission`] leaves out what the top reflects.
 pub(super) fn escaped<R: Real<Mask = bool>, const K: usize>(
     stack: &Interfaces<R, K>,
     facets: Microsurface,
     wo: Vector<R>,
+    entry: Way,
     source: Source,
 ) -> [R; K] {
     let lost = [R::ZERO; K];
@@ -176,7 +178,11 @@ pub(super) fn escaped<R: Real<Mask = bool>, const K: usize>(
     let mut medium = 0;
     for step in 0..LONGEST {
         let at = if direction.z.lt(R::ZERO) { medium } else { medium - 1 };
-        let way = if at == last { Way::Reflection } else { Way::Both };
+        let way = match step {
+            _ if at == last => Way::Reflection,
+            0 => entry,
+            _ => Way::Both,
+        };
         let Some(next) = interfaces[at].sample(facets, -direction, way, source.draw(step, 0)) else { return lost };
         weight = product(weight, next.weight);
         direction = next.direction;
@@ -186,6 +192,75 @@ pub(super) fn escaped<R: Real<Mask = bool>, const K: usize>(
         }
         weight = absorbed(weight, &interfaces[medium - 1].depth, direction.z);
         if step >= ROULETTE_FROM {
+            let [.., u] = source.draw::<R>(step, 1);
+            if !spin(&mut weight, u) {
+                return lost;
+            }
+        }
+    }
+    lost
+}
+
+/// One sample of the share of light from `wo` that reaches the last interface, whatever that is; 1 where it is the only one.
+pub(super) fn arrived<R: Real<Mask = bool>, const K: usize>(
+    stack: &Interfaces<R, K>,
+    facets: Microsurface,
+    wo: Vector<R>,
+    source: Source,
+) -> [R; K] {
+    if wo.z.le(R::ZERO) || stack.all.is_empty() {
+        return [R::ZERO; K];
+    }
+    descend(stack, facets, absorbed([R::ONE; K], &stack.above, wo.z), -wo, 0, source)
+}
+
+/// One sample of the share of Lambertian light from the last interface that the ones above send back to it.
+pub(super) fn returned<R: Real<Mask = bool>, const K: usize>(
+    stack: &Interfaces<R, K>,
+    facets: Microsurface,
+    source: Source,
+) -> [R; K] {
+    let last = stack.all.len().saturating_sub(1);
+    if last == 0 {
+        return [R::ZERO; K];
+    }
+    let [u, turn, ..] = source.draw::<R>(0, 0);
+    let ((x, y), radius) = (turn.unit_circle(), u.sqrt());
+    let up = Vector::new(radius * x, radius * y, (R::ONE - u).sqrt());
+    descend(stack, facets, absorbed([R::ONE; K], &stack.all[last - 1].depth, up.z), up, last, source)
+}
+
+/// Follows a walk in `medium` until it reaches the last interface: the weight it arrives with, 0 where it leaves.
+fn descend<R: Real<Mask = bool>, const K: usize>(
+    stack: &Interfaces<R, K>,
+    facets: Microsurface,
+    mut weight: [R; K],
+    mut direction: Vector<R>,
+    mut medium: usize,
+    source: Source,
+) -> [R; K] {
+    let lost = [R::ZERO; K];
+    let interfaces = &stack.all;
+    let last = interfaces.len() - 1;
+    // Step 0 may have started the walk.
+    for step in 1..LONGEST {
+        let down = direction.z.lt(R::ZERO);
+        if down && medium == last {
+            return weight;
+        }
+        let at = if down { medium } else { medium - 1 };
+        let random = source.draw(step, 0);
+        // What the top reflects never arrives.
+        let way = if medium == 0 { Way::Transmission } else { Way::Both };
+        let Some(next) = interfaces[at].sample(facets, -direction, way, random) else { return lost };
+        weight = product(weight, next.weight);
+        direction = next.direction;
+        medium = if direction.z.lt(R::ZERO) { at + 1 } else { at };
+        if medium == 0 {
+            return lost;
+        }
+        weight = absorbed(weight, &interfaces[medium - 1].depth, direction.z);
+        if step > ROULETTE_FROM {
             let [.., u] = source.draw::<R>(step, 1);
             if !spin(&mut weight, u) {
                 return lost;

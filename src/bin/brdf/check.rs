@@ -71,7 +71,9 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
             AnyStack::One(stack) => judge(&StackSubject::new(&material.name, stack.clone()), options, &progress),
             AnyStack::Three(stack) => judge(&StackSubject::new(&material.name, stack.clone()), options, &progress),
         };
-        if let Some(gpu) = &gpu {
+        // A model that reads tables has no twin.
+        let has_twin = Model::CLOSED_FORM.contains(&material.stack.model());
+        if let Some(gpu) = gpu.as_ref().filter(|_| has_twin) {
             let comparison = compare_stack(gpu, &material.stack.three_single(), TWIN_SAMPLES)?;
             report.findings.push(twin_finding(&comparison, gpu));
         }

@@ -184,6 +184,9 @@ fn on_adapter(gpu: &Gpu, questions: &[(usize, Question)]) -> Result<Vec<Results>
     for (index, (_, question)) in questions.iter().enumerate() {
         let function = match question {
             Question::Term { term, .. } => term.function,
+            Question::Stack { model, .. } if !Model::CLOSED_FORM.contains(model) => {
+                return Err(Failure::Input(format!("the model {} reads tables, and has no twin", model.name())));
+            }
             Question::Stack { model, .. } => ("layered", model.name()),
         };
         groups.entry(function).or_default().push(index);
