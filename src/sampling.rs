@@ -86,7 +86,19 @@ impl<R: Real, const C: usize> Stack<R, C> {
     /// sample counts as 0. See [`sample`].
     #[inline]
     pub fn sample(&self, wo: impl Into<Vector<R>>, u: [R; 3]) -> Option<Sample<R>> {
-        sample(self.layers(), self.model(), wo.into(), u)
+        let wo = wo.into();
+        let share = R::from_f64(cosine_share(self.model()));
+        if share == R::ZERO {
+            return sample(self.layers(), self.model(), wo, u);
+        }
+        let wi = if u[0].lt(share).all() {
+            cosine_hemisphere([u[1], u[2]])
+        } else {
+            let rest = (u[0] - share) / (R::ONE - share);
+            sample(self.layers(), Model::Conserving, wo, [rest, u[1], u[2]])?.wi
+        };
+        let pdf = self.pdf(wi, wo);
+        pdf.gt(R::ZERO).all().then_some(Sample { wi, pdf })
     }
 
     /// The density in sr⁻¹ with which [`Stack::sample`] draws `wi` for the view `wo`.
@@ -94,13 +106,31 @@ impl<R: Real, const C: usize> Stack<R, C> {
     /// 0 where either is at or below the horizon. See [`pdf`].
     #[inline]
     pub fn pdf(&self, wi: impl Into<Vector<R>>, wo: impl Into<Vector<R>>) -> R {
-        pdf(self.layers(), self.model(), wi.into(), wo.into())
+        let (wi, wo) = (wi.into(), wo.into());
+        let share = R::from_f64(cosine_share(self.model()));
+        let lobes = pdf(self.layers(), self.model(), wi, wo);
+        if share == R::ZERO {
+            return lobes;
+        }
+        let lit = wi.z.gt(R::ZERO) & wo.z.gt(R::ZERO);
+        let cosine = R::select(lit, wi.z * R::FRAC_1_PI, R::ZERO);
+        cosine * share + lobes * (R::ONE - share)
+    }
+}
+
+/// The share of samples that a stack draws from the cosine, whatever its layers: a quarter under `coupled`, whose closure
+/// reflects into every direction; none under the closed forms, whose lobes cover all that they reflect.
+fn cosine_share(model: Model) -> f64 {
+    match model {
+        #[cfg(feature = "std")]
+        Model::Coupled => 0.25,
+        _ => 0.0,
     }
 }
 
 /// A direction `wi` for a view of a stack, drawn about in proportion to f·cos, and its density.
 ///
-/// * `layers` from the top; `model` that evaluates them.
+/// * `layers` from the top; `model` that evaluates them, one of [`Model::CLOSED_FORM`] ([`Stack::sample`] takes every model).
 /// * `wo`: a local unit vector. `u`: three independent numbers, uniform in [0, 1). The first chooses the interface, and is
 ///   used up to its last digits.
 ///
