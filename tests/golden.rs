@@ -211,9 +211,9 @@ fn diffuse_oren_nayar() {
             // L1 is a sum of terms of either sign: its error is measured against the largest of them.
             let scale = want.abs().max(if name == "L1" { 0.2 * over_pi } else { 0.0 }).max(1e-25);
             assert!((double - want).abs() <= DOUBLE * scale, "{name}: {double:e}, want {want:e}\n{row}");
-            // The azimuth's sine loses digits where the directions are nearly opposite: ε/sinΔφ, twice.
-            let sine = number(row, "dphi").sin().abs().max(0.01);
-            let allowed = (40.0 + 4.0 / sine) * f64::from(f32::EPSILON) * oracle.abs().max(0.2);
+            // 160 ULP of 1 is what the function states for every angle, grazing included; 9 to 89°.
+            let grazing = number(row, "tl").max(number(row, "tv")) > 89f64.to_radians();
+            let allowed = if grazing { 160.0 } else { 9.0 } * f64::from(f32::EPSILON) * oracle.abs().max(1.0);
             assert!((f64::from(single) - oracle).abs() <= allowed, "{name} in f32: {single:e} {oracle:e}\n{row}");
         }
         let want = number(row, "full").max(0.0);
