@@ -89,13 +89,13 @@ impl<R: Real, const C: usize> Stack<R, C> {
         let wo = wo.into();
         let share = R::from_f64(cosine_share(self.model()));
         if share == R::ZERO {
-            return sample(self.layers(), self.model(), wo, u);
+            return sample(self.effective_layers(), self.model(), wo, u);
         }
         let wi = if u[0].lt(share).all() {
             cosine_hemisphere([u[1], u[2]])
         } else {
             let rest = (u[0] - share) / (R::ONE - share);
-            sample(self.layers(), Model::Conserving, wo, [rest, u[1], u[2]])?.wi
+            sample(self.effective_layers(), Model::Conserving, wo, [rest, u[1], u[2]])?.wi
         };
         let pdf = self.pdf(wi, wo);
         pdf.gt(R::ZERO).all().then_some(Sample { wi, pdf })
@@ -108,7 +108,7 @@ impl<R: Real, const C: usize> Stack<R, C> {
     pub fn pdf(&self, wi: impl Into<Vector<R>>, wo: impl Into<Vector<R>>) -> R {
         let (wi, wo) = (wi.into(), wo.into());
         let share = R::from_f64(cosine_share(self.model()));
-        let lobes = pdf(self.layers(), self.model(), wi, wo);
+        let lobes = pdf(self.effective_layers(), self.model(), wi, wo);
         if share == R::ZERO {
             return lobes;
         }
@@ -118,12 +118,12 @@ impl<R: Real, const C: usize> Stack<R, C> {
     }
 }
 
-/// The share of samples that a stack draws from the cosine, whatever its layers: a quarter under `coupled`, whose closure
-/// reflects into every direction; none under the closed forms, whose lobes cover all that they reflect.
+/// The share of samples that a stack draws from the cosine, whatever its layers: a quarter under `coupled` and `walk`, which
+/// reflect into every direction; none under the closed forms, whose lobes cover all that they reflect.
 fn cosine_share(model: Model) -> f64 {
     match model {
         #[cfg(feature = "std")]
-        Model::Coupled => 0.25,
+        Model::Coupled | Model::Walk => 0.25,
         _ => 0.0,
     }
 }

@@ -98,14 +98,14 @@ pub fn compare_source(gpu: &Gpu, twin: &Twin, source: &str, samples: usize) -> R
 pub fn compare_stack(gpu: &Gpu, stack: &Stack<f32, 3>, samples: usize) -> Result<Comparison, GpuError> {
     let twin = stack_twin(stack.model())?;
     let count = stack.layers().len();
-    let narrowest = table::narrowest(stack.layers());
+    let narrowest = table::narrowest(stack.effective_layers());
     let rows: Vec<Vec<f32>> = (0..samples as u64)
         .map(|index| {
             let [wi, wo] = Draw::new(index).pair(narrowest).map(Vector::cast::<f32>);
             vec![0.0, count as f32, wi.x, wi.y, wi.z, wo.x, wo.y, wo.z]
         })
         .collect();
-    let outputs = map_twin(gpu, &twin, &rows, stack.layers())?;
+    let outputs = map_twin(gpu, &twin, &rows, stack.effective_layers())?;
     fn direction<R: Real>(arguments: &[R], start: usize) -> Vector<R> {
         Vector::new(arguments[start], arguments[start + 1], arguments[start + 2])
     }
