@@ -91,12 +91,12 @@ fn bad_stack_files_are_refused_with_file_line_and_key() {
         (
             "index.toml",
             layer("{ dielectric = { n = 0 }, alpha = 0.1 }"),
-            "line 4, layer[0].interface.dielectric.n: 0 is not allowed, it must be greater than 0",
+            "line 4, layer[0].interface.dielectric.n: 0 is not allowed, it must be in [0.001, 1000]",
         ),
         (
             "kappa.toml",
             layer("{ conductor = { n = 1, k = -1 }, alpha = 0.1 }"),
-            "line 4, layer[0].interface.conductor.k: -1 is not allowed, it must be 0 or greater",
+            "line 4, layer[0].interface.conductor.k: -1 is not allowed, it must be in [0, 1000]",
         ),
         ("nan.toml", layer("{ dielectric = { n = nan }, alpha = 0.1 }"), "it must be finite"),
         (

@@ -153,11 +153,11 @@ fn numbers_are_refused_as_a_stack_refuses_them() {
         let expected = format!(".alpha: {shown} is not allowed, it must be finite and in [0.0001, 1]");
         assert_eq!(dielectric("1.5", alpha), expected);
     }
-    assert_eq!(dielectric("0", "0.1"), ".dielectric.n: 0 is not allowed, it must be greater than 0");
-    assert_eq!(dielectric("[1, -2.5]", "0.1"), ".dielectric.n[1]: -2.5 is not allowed, it must be greater than 0");
+    assert_eq!(dielectric("0", "0.1"), ".dielectric.n: 0 is not allowed, it must be in [0.001, 1000]");
+    assert_eq!(dielectric("[1, -2.5]", "0.1"), ".dielectric.n[1]: -2.5 is not allowed, it must be in [0.001, 1000]");
     assert_eq!(
         dielectric("[1, 1, nan]", "0.1"),
-        ".dielectric.n[2]: NaN is not allowed, it must be finite and greater than 0"
+        ".dielectric.n[2]: NaN is not allowed, it must be finite and in [0.001, 1000]"
     );
     assert_eq!(
         interface("{ conductor = { n = 1, k = [0, -1] }, alpha = 0.1 }"),
@@ -186,7 +186,7 @@ fn numbers_are_refused_as_a_stack_refuses_them() {
     let two = EVERYTHING.replace("0.53", "-2").replace("3.06", "-3");
     assert_eq!(
         refused(&two),
-        "line 17, layer[1].interface.conductor.n[2]: -3 is not allowed, it must be greater than 0"
+        "line 17, layer[1].interface.conductor.n[2]: -3 is not allowed, it must be in [0.001, 1000]"
     );
 }
 
@@ -199,8 +199,8 @@ fn numbers_that_only_f64_holds_are_refused_in_f32() {
     };
     assert!(stack("1.5").is_ok());
     let place = "line 2, layer[0].interface.dielectric.n[1]";
-    assert_eq!(stack("1e300"), Err(format!("{place}: 1e300 is inf in f32, it must be finite and greater than 0")));
-    assert_eq!(stack("1e-60"), Err(format!("{place}: 1e-60 is 0 in f32, it must be greater than 0")));
+    assert_eq!(stack("1e300"), Err(format!("{place}: 1e300 is inf in f32, it must be finite and in [0.001, 1000]")));
+    assert_eq!(stack("1e-60"), Err(format!("{place}: 1e-60 is 0 in f32, it must be in [0.001, 1000]")));
 }
 
 #[test]

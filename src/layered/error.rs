@@ -1,8 +1,9 @@
 //! What makes a stack invalid, and the message that says so.
 
-use super::{ALPHA_RANGE, Interface, Layer};
+use super::{ALPHA_RANGE, Interface, K_RANGE, Layer, N_RANGE};
 use crate::real::Real;
 use core::fmt;
+use core::ops::RangeInclusive;
 
 /// Why a list of layers is not a stack: which layer, which key, what is wrong and what is allowed.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,12 +74,9 @@ pub(super) fn validate<R: Real, const C: usize>(layers: &[Layer<R, C>]) -> Resul
         };
         match &layer.interface {
             Interface::Microfacet { n, k, alpha } => {
-                check("interface.n", n, "greater than 0", |v| v > 0.0)?;
-                check("interface.k", k, "0 or greater", |v| v >= 0.0)?;
-                // A width that was rounded from f64 to f32 may fall below the limit by half an ULP.
-                check("interface.alpha", &[*alpha], "in [0.0001, 1]", |v| {
-                    v >= ALPHA_RANGE.start() * (1.0 - f64::from(f32::EPSILON)) && v <= *ALPHA_RANGE.end()
-                })?;
+                check("interface.n", n, "in [0.001, 1000]", |v| within(&N_RANGE, v))?;
+                check("interface.k", k, "in [0, 1000]", |v| within(&K_RANGE, v))?;
+                check("interface.alpha", &[*alpha], "in [0.0001, 1]", |v| within(&ALPHA_RANGE, v))?;
             }
             Interface::Diffuse { albedo, sigma } => {
                 check("interface.diffuse.albedo", albedo, "in [0, 1]", |v| (0.0..=1.0).contains(&v))?;
@@ -96,4 +94,9 @@ pub(super) fn validate<R: Real, const C: usize>(layers: &[Layer<R, C>]) -> Resul
         check("medium.thickness", &[layer.medium.thickness], "0 or greater", |v| v >= 0.0)?;
     }
     Ok(())
+}
+
+/// A number that was rounded from f64 to f32 may fall below the limit by half an ULP.
+fn within(range: &RangeInclusive<f64>, value: f64) -> bool {
+    value >= range.start() * (1.0 - f64::from(f32::EPSILON)) && value <= *range.end()
 }

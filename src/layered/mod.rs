@@ -32,6 +32,12 @@ pub use model::{conserving, elek, internal_reflection, weidlich_wilkie};
 pub use tables::internal_reflectance;
 pub use widths::Widths;
 
+/// The real parts of an index that an interface may have. Nothing measured lies outside; squares of squares stay finite in f32.
+pub const N_RANGE: core::ops::RangeInclusive<f64> = 1e-3..=1e3;
+
+/// The imaginary parts of an index that an interface may have.
+pub const K_RANGE: core::ops::RangeInclusive<f64> = 0.0..=1e3;
+
 /// The widths that an interface may have.
 pub const ALPHA_RANGE: core::ops::RangeInclusive<f64> = 1e-4..=1.0;
 
@@ -40,9 +46,9 @@ pub const ALPHA_RANGE: core::ops::RangeInclusive<f64> = 1e-4..=1.0;
 pub enum Interface<R, const C: usize> {
     /// A rough dielectric or conductor of index n + iκ: Beckmann's distribution under V-cavities.
     Microfacet {
-        /// The real part of the index, > 0.
+        /// The real part of the index, in [1e-3, 1e3].
         n: [R; C],
-        /// The imaginary part of the index, ≥ 0; 0 for a dielectric.
+        /// The imaginary part of the index, in [0, 1e3]; 0 for a dielectric.
         k: [R; C],
         /// The width of the distribution, in [1e-4, 1].
         alpha: R,
@@ -213,7 +219,8 @@ impl<R: Real, const C: usize> Stack<R, C> {
     ///
     /// # Errors
     ///
-    /// Names the layer and the key that is out of range: no layer at all, α outside [1e-4, 1], n ≤ 0, negative κ, σ or
+    /// Names the layer and the key that is out of range: no layer at all, α outside [1e-4, 1], n outside [1e-3, 1e3], κ
+    /// outside [0, 1e3], negative σ or
     /// thickness, an albedo outside [0, 1], a diffuse base that is not the last layer, any number that is not finite.
     pub fn new(model: Model, layers: Vec<Layer<R, C>>) -> Result<Self, StackError> {
         error::validate(&layers)?;
