@@ -143,7 +143,7 @@ impl Model {
     #[cfg(not(feature = "std"))]
     pub const ALL: [Model; 3] = Model::CLOSED_FORM;
 
-    /// The models that need no tables, which have twins in WGSL.
+    /// The models that need no tables.
     pub const CLOSED_FORM: [Model; 3] = [Model::Elek, Model::WeidlichWilkie, Model::Conserving];
 
     /// The name that stack files and the command line use.
