@@ -86,7 +86,7 @@ impl<R: Real, const C: usize> Stack<R, C> {
     /// sample counts as 0. See [`sample`].
     #[inline]
     pub fn sample(&self, wo: impl Into<Vector<R>>, u: [R; 3]) -> Option<Sample<R>> {
-        sample(self.layers(), self.model(), wo.into(), u)
+        sample(self.effective_layers(), self.model(), wo.into(), u)
     }
 
     /// The density in sr⁻¹ with which [`Stack::sample`] draws `wi` for the view `wo`.
@@ -94,16 +94,16 @@ impl<R: Real, const C: usize> Stack<R, C> {
     /// 0 where either is at or below the horizon. See [`pdf`].
     #[inline]
     pub fn pdf(&self, wi: impl Into<Vector<R>>, wo: impl Into<Vector<R>>) -> R {
-        pdf(self.layers(), self.model(), wi.into(), wo.into())
+        pdf(self.effective_layers(), self.model(), wi.into(), wo.into())
     }
 }
 
-/// The share of samples that a stack draws from the cosine, whatever its layers: a quarter under `coupled`, whose closure
-/// reflects into every direction; none under the closed forms, whose lobes cover all that they reflect.
+/// The share of samples that a stack draws from the cosine, whatever its layers: a quarter under `coupled` and `walk`, which
+/// reflect into every direction; none under the closed forms, whose lobes cover all that they reflect.
 fn cosine_share(model: Model) -> f64 {
     match model {
         #[cfg(feature = "std")]
-        Model::Coupled => 0.25,
+        Model::Coupled | Model::Walk => 0.25,
         _ => 0.0,
     }
 }

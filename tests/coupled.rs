@@ -136,6 +136,10 @@ fn a_total_reflection_over_a_mirror_gains_energy() {
             .fold(0.0, f64::max);
         println!("thinner over a mirror, {}: ≤ {peak:.4}", model.name());
         assert!(range.contains(&peak), "{}: {peak}", model.name());
+        // The judge finds it, though it lies between the angles that it integrates at first.
+        let report = check::check(&subject, &check::Options::default());
+        let found = report.energy(Fixed::Light).unwrap();
+        assert!(report.verdict() == Verdict::Fail && (found.value - peak).abs() < 0.005, "{report}");
     }
 }
 
@@ -143,7 +147,7 @@ fn a_total_reflection_over_a_mirror_gains_energy() {
 /// not, since the closure spreads some over the hemisphere. The root mean square of the lit pairs must beat conserving's.
 #[test]
 fn the_worst_pairs_are_known() {
-    for (top, base, [lit, dark]) in [(0.1, 0.1, [0.75, 0.025]), (0.1, 0.3, [0.25, 0.012]), (0.3, 0.1, [0.9, 0.03])] {
+    for (top, base, [lit, dark]) in [(0.1, 0.1, [0.7, 0.025]), (0.1, 0.3, [0.25, 0.012]), (0.3, 0.1, [0.62, 0.03])] {
         let stack = coupled(vec![coat(1.5, top), copper(base)]);
         let conserving = stack.clone().with_model(Model::Conserving);
         let mut worst = [(0.0, String::new()), (0.0, String::new())];

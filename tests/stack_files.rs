@@ -243,10 +243,13 @@ fn channels_agree() {
 
 #[test]
 fn unknown_keys_and_names_are_refused_with_the_nearest() {
-    assert_eq!(refused("title = 1\n[[layer]]"), "line 1, title: unknown key, allowed: `name`, `model`, `layer`");
+    assert_eq!(
+        refused("title = 1\n[[layer]]"),
+        "line 1, title: unknown key, allowed: `name`, `model`, `widths`, `layer`"
+    );
     assert_eq!(
         refused("[[layers]]"),
-        "line 1, layers: unknown key, did you mean `layer`? Allowed: `name`, `model`, `layer`"
+        "line 1, layers: unknown key, did you mean `layer`? Allowed: `name`, `model`, `widths`, `layer`"
     );
     assert_eq!(
         refused(&EXAMPLE.replace("thickness", "thicknes")),
@@ -261,7 +264,7 @@ fn unknown_keys_and_names_are_refused_with_the_nearest() {
     assert!(refused("zeta = 1\nbeta = 2\n").starts_with("line 1, zeta: unknown key"));
     assert_eq!(
         refused("model = \"Elec\""),
-        "line 1, model: unknown model \"Elec\", did you mean `elek`? Allowed: `elek`, `weidlich_wilkie`, `conserving`, `coupled`"
+        "line 1, model: unknown model \"Elec\", did you mean `elek`? Allowed: `elek`, `weidlich_wilkie`, `conserving`, `coupled`, `walk`"
     );
     let unknown = refused(&EXAMPLE.replace("\"copper\"", "\"Aluminum\\n\""));
     let place = "line 7, layer[1].interface.conductor.metal";
@@ -314,6 +317,10 @@ fn missing_and_superfluous_keys_are_refused() {
 #[test]
 fn wrong_types_are_refused() {
     assert_eq!(refused("name = 1"), "line 1, name: found a number, expected a string");
+    assert_eq!(
+        refused("widths = \"varience\""),
+        "line 1, widths: unknown rule \"varience\", did you mean `variance`? Allowed: `own`, `clamp`, `variance`"
+    );
     assert_eq!(refused("model = [1]"), "line 1, model: found a list, expected a string");
     for (value, found) in [
         ("\"0.1\"", "a string"),

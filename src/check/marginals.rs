@@ -13,6 +13,13 @@ pub const THETAS: [f64; 10] = [0.0, 45.0, 60.0, 75.0, 80.0, 85.0, 88.0, 89.0, 89
 /// Azimuths, in degrees, for a subject that was measured to be anisotropic.
 pub(super) const AZIMUTHS: [f64; 3] = [0.0, 90.0, 35.0];
 
+/// The widest gap between angles, in degrees, that is not looked into: total reflection at a rough interface makes bumps of
+/// about 10°.
+const STEP: f64 = 3.0;
+
+/// What a look into a gap costs: enough for some percent.
+const GLANCE: Effort = Effort { target: 1e-2, evaluations: 1_500, replicates: 0, samples: 0, seed: 1 };
+
 /// Albedo is continuous in θ: where every corner is below this, the gaps between them are not searched.
 const WORTH_CLIMBING: f64 = 0.7;
 
@@ -32,7 +39,21 @@ pub(super) fn energy(subject: &dyn Subject, plan: &Plan<'_>) -> (Vec<Finding>, V
             jobs.extend(plan.thetas.iter().map(|&theta| (theta, phi, fixed)));
         }
     }
-    // Two refinements follow the corners.
+    // Bumps between the corners become corners, and two refinements follow.
+    let glances: Vec<(f64, f64, Fixed)> = Fixed::BOTH
+        .iter()
+        .flat_map(|&fixed| plan.azimuths.iter().map(move |&phi| (phi, fixed)))
+        .flat_map(|(phi, fixed)| gaps(plan.thetas).into_iter().map(move |theta| (theta, phi, fixed)))
+        .collect();
+    let seen: Vec<Albedo> =
+        glances.par_iter().map(|&(theta, phi, fixed)| albedo(subject, theta, phi, fixed, &GLANCE)).collect();
+    let bumps: Vec<(f64, f64, Fixed)> = seen
+        .chunk_by(|a, b| (a.fixed, a.phi) == (b.fixed, b.phi))
+        .filter_map(|row| row.iter().reduce(|a, b| if b.peak().1 > a.peak().1 { b } else { a }))
+        .filter(|albedo| albedo.peak().1 >= WORTH_CLIMBING)
+        .map(|albedo| (albedo.theta, albedo.phi, albedo.fixed))
+        .collect();
+    jobs.extend(bumps);
     let total = jobs.len() + Fixed::BOTH.len();
     let done = AtomicUsize::new(0);
     let advance = || {
@@ -53,14 +74,26 @@ pub(super) fn energy(subject: &dyn Subject, plan: &Plan<'_>) -> (Vec<Finding>, V
         .par_iter()
         .map(|&fixed| {
             let corners: Vec<&Albedo> = albedos.iter().filter(|albedo| albedo.fixed == fixed).collect();
-            let result = marginal(subject, &corners, fixed, &plan.effort);
+            let result = marginal(subject, &corners, &gaps(plan.thetas), fixed, &plan.effort);
             advance();
             result
         })
         .collect();
-    let evaluations = albedos.iter().map(|albedo| albedo.evaluations).sum::<usize>()
+    let evaluations = albedos.iter().chain(&seen).map(|albedo| albedo.evaluations).sum::<usize>()
         + results.iter().map(|(_, evaluations)| evaluations).sum::<usize>();
     (results.into_iter().map(|(finding, _)| finding).collect(), albedos, evaluations)
+}
+
+/// Angles that leave no gap between these of more than [`STEP`].
+fn gaps(thetas: &[f64]) -> Vec<f64> {
+    let mut sorted = thetas.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let inside = |pair: &[f64]| {
+        let (low, width) = (pair[0], pair[1] - pair[0]);
+        let parts = (width / STEP).ceil().clamp(1.0, 90.0 / STEP) as usize;
+        (1..parts).map(move |part| low + width * part as f64 / parts as f64).collect::<Vec<_>>()
+    };
+    sorted.windows(2).flat_map(inside).collect()
 }
 
 /// The verdict on an albedo, of its worst channel, and that channel. A pass takes agreement and finite samples.
@@ -92,7 +125,13 @@ fn settle(subject: &dyn Subject, theta: f64, phi: f64, fixed: Fixed, effort: &Ef
     result
 }
 
-fn marginal(subject: &dyn Subject, corners: &[&Albedo], fixed: Fixed, effort: &Effort) -> (Finding, usize) {
+fn marginal(
+    subject: &dyn Subject,
+    corners: &[&Albedo],
+    between: &[f64],
+    fixed: Fixed,
+    effort: &Effort,
+) -> (Finding, usize) {
     let rank = |albedo: &Albedo| {
         let (verdict, channel) = judge(albedo);
         (verdict, albedo.value.get(channel).copied().unwrap_or(0.0))
@@ -107,15 +146,22 @@ fn marginal(subject: &dyn Subject, corners: &[&Albedo], fixed: Fixed, effort: &E
     if worst.peak().1 < WORTH_CLIMBING {
         return (finding(subject, Some(worst), fixed), 0);
     }
-    let (refined, evaluations) = climb(subject, corners, worst, effort);
+    let (refined, evaluations) = climb(subject, corners, between, worst, effort);
     let chosen = refined.as_ref().filter(|refined| rank(refined) >= rank(worst)).unwrap_or(worst);
     (finding(subject, Some(chosen), fixed), evaluations)
 }
 
 /// Golden section between the neighbours of the worst corner, then the roundest angle that is nearly as bad; nothing if
 /// the corner is that.
-fn climb(subject: &dyn Subject, corners: &[&Albedo], worst: &Albedo, effort: &Effort) -> (Option<Albedo>, usize) {
+fn climb(
+    subject: &dyn Subject,
+    corners: &[&Albedo],
+    between: &[f64],
+    worst: &Albedo,
+    effort: &Effort,
+) -> (Option<Albedo>, usize) {
     let same = corners.iter().filter(|albedo| albedo.phi == worst.phi).map(|albedo| albedo.theta);
+    let same = same.chain(between.iter().copied());
     let (mut low, mut high) = (worst.theta, worst.theta);
     for theta in same {
         if theta < worst.theta && (low == worst.theta || theta > low) {

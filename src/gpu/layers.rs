@@ -44,10 +44,10 @@ pub struct StackPlace {
 }
 
 impl StackBuffers {
-    /// Appends a stack, with its table (built now, unless it is) where its model is [`Model::Coupled`].
+    /// Appends a stack with the widths that its model takes, and with its table (built now, unless it is) where its model is [`Model::Coupled`].
     pub fn push(&mut self, stack: &Stack<f32, 3>) -> StackPlace {
         let (first, table) = (self.layers.len() as u32, self.rows.len() as u32);
-        self.layers.extend(stack.layers().iter().map(BufferLayer::from));
+        self.layers.extend(stack.effective_layers().iter().map(BufferLayer::from));
         if stack.model() == Model::Coupled {
             self.rows.extend(Coupled::new(stack).buffer_rows());
         }

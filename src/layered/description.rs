@@ -3,6 +3,7 @@
 //! ```toml
 //! name  = "clear coat over copper"
 //! model = "conserving"                      # one of Model::ALL; conserving where absent
+//! widths = "variance"                       # one of Widths::ALL; the model's where absent
 //! [[layer]]                                 # from the top
 //! interface = { dielectric = { n = 1.5 }, alpha = 0.1 }
 //! medium    = { sigma = [0.0, 0.1, 0.2], thickness = 0.5 }
@@ -19,7 +20,7 @@
 mod tree;
 
 use super::error::Problem;
-use super::{Interface, Layer, Medium, Model, Stack, StackError};
+use super::{Interface, Layer, Medium, Model, Stack, StackError, Widths};
 use crate::material::metal;
 use crate::real::Real;
 use alloc::borrow::ToOwned;
@@ -190,6 +191,8 @@ pub struct Description {
     pub name: Option<String>,
     /// The model that was asked for; [`Description::stack`] takes the default where there is none.
     pub model: Option<Model>,
+    /// The rule of widths that was asked for; [`Description::stack`] takes the model's where there is none.
+    pub widths: Option<Widths>,
     layers: Vec<Described>,
     /// The length of every list, and the first of them.
     lists: Option<(usize, Place)>,
@@ -212,16 +215,17 @@ impl Description {
     /// The first thing that is not understood, or else the topmost number that is out of range.
     pub fn from_node(node: &Node) -> Result<Self, DescriptionError> {
         let root = Entry { node, place: Place { path: String::new(), line: node.line } };
-        let root = root.table(&["name", "model", "layer"], "a table with the key `layer`")?;
+        let root = root.table(&["name", "model", "widths", "layer"], "a table with the key `layer`")?;
         let name = root.get("name").map(|name| name.text()).transpose()?.map(ToOwned::to_owned);
         let model = root.get("model").map(|entry| model(&entry)).transpose()?;
+        let widths = root.get("widths").map(|entry| widths(&entry)).transpose()?;
         let layer = root.get("layer");
         let items = match &layer {
             Some(layer) => layer.items("a list of tables, in TOML each under [[layer]]")?,
             None => Vec::new(),
         };
         let layers = items.iter().map(described).collect::<Result<Vec<_>, _>>()?;
-        let description = Description { name, model, lists: lists(&layers)?, layers };
+        let description = Description { name, model, widths, lists: lists(&layers)?, layers };
 
         // One channel at a time, as their number is only known now.
         let channels = (0..description.channels()).filter_map(|c| description.build::<f64, 1>(|_| c).err());
@@ -258,7 +262,11 @@ impl Description {
         channel: impl Fn(usize) -> usize + Copy,
     ) -> Result<Stack<R, C>, StackError> {
         let layers = self.layers.iter().map(|layer| layer.layer(channel)).collect();
-        Stack::new(self.model.unwrap_or_default(), layers)
+        let stack = Stack::new(self.model.unwrap_or_default(), layers)?;
+        Ok(match self.widths {
+            Some(widths) => stack.with_widths(widths),
+            None => stack,
+        })
     }
 
     /// The same error, where it was written.
@@ -309,6 +317,13 @@ fn model(entry: &Entry<'_>) -> Result<Model, DescriptionError> {
     let names = Model::ALL.iter().map(|model| model.name());
     let unknown = || entry.place.error(format!("unknown model {name:?}, {}", suggestion(name, names)));
     Model::from_name(name).ok_or_else(unknown)
+}
+
+fn widths(entry: &Entry<'_>) -> Result<Widths, DescriptionError> {
+    let name = entry.text()?;
+    let names = Widths::ALL.iter().map(|rule| rule.name());
+    let unknown = || entry.place.error(format!("unknown rule {name:?}, {}", suggestion(name, names)));
+    Widths::from_name(name).ok_or_else(unknown)
 }
 
 fn described(entry: &Entry<'_>) -> Result<Described, DescriptionError> {

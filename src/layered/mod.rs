@@ -4,7 +4,8 @@
 //! of the materials themselves, against vacuum, and the library forms the ratios. An interface with κ > 0 may have
 //! layers under it (an oxide): directions refract by its n, its Fresnel terms use n + iκ.
 //!
-//! [`model`] holds the evaluations, whose twin is `wgsl/layered.wgsl`.
+//! [`model`] holds the evaluations, whose twin is `wgsl/layered.wgsl`; [`Widths`] says how wide they take a covered interface
+//! to be.
 
 #[cfg(feature = "bytemuck")]
 mod buffer;
@@ -16,6 +17,7 @@ mod error;
 pub mod model;
 #[cfg(feature = "std")]
 mod tables;
+mod widths;
 
 use crate::frame::Vector;
 use crate::real::Real;
@@ -28,6 +30,7 @@ pub use error::StackError;
 pub use model::{conserving, elek, internal_reflection, weidlich_wilkie};
 #[cfg(feature = "std")]
 pub use tables::internal_reflectance;
+pub use widths::Widths;
 
 /// The widths that an interface may have.
 pub const ALPHA_RANGE: core::ops::RangeInclusive<f64> = 1e-4..=1.0;
@@ -133,17 +136,21 @@ pub enum Model {
     /// [`Coupled`] says what they cost.
     #[cfg(feature = "std")]
     Coupled,
+    /// The truth, by chance: [`walk::evaluate`](crate::walk::evaluate) with its default options, which is thousands of
+    /// times slower than the others and off by a standard error that only that function reports.
+    #[cfg(feature = "std")]
+    Walk,
 }
 
 impl Model {
     /// Every model.
     #[cfg(feature = "std")]
-    pub const ALL: [Model; 4] = [Model::Elek, Model::WeidlichWilkie, Model::Conserving, Model::Coupled];
+    pub const ALL: [Model; 5] = [Model::Elek, Model::WeidlichWilkie, Model::Conserving, Model::Coupled, Model::Walk];
     /// Every model.
     #[cfg(not(feature = "std"))]
     pub const ALL: [Model; 3] = Model::CLOSED_FORM;
 
-    /// The models that need no tables.
+    /// The models that need neither tables nor chance.
     pub const CLOSED_FORM: [Model; 3] = [Model::Elek, Model::WeidlichWilkie, Model::Conserving];
 
     /// The name that stack files and the command line use.
@@ -154,6 +161,18 @@ impl Model {
             Model::Conserving => "conserving",
             #[cfg(feature = "std")]
             Model::Coupled => "coupled",
+            #[cfg(feature = "std")]
+            Model::Walk => "walk",
+        }
+    }
+
+    /// The rule of widths of a stack that asks for none: [`Widths::Variance`] for `coupled`, which it brings closer to the
+    /// walk on every stack measured, [`Widths::Own`] for the others.
+    pub const fn widths(self) -> Widths {
+        match self {
+            #[cfg(feature = "std")]
+            Model::Coupled => Widths::Variance,
+            _ => Widths::Own,
         }
     }
 
@@ -168,14 +187,24 @@ impl Model {
 pub struct Stack<R, const C: usize> {
     layers: Vec<Layer<R, C>>,
     model: Model,
+    /// The rule that was asked for; the model's own where none was.
+    widths: Option<Widths>,
+    /// The layers with the widths that the rule gives them; none under [`Widths::Own`].
+    widened: Option<Vec<Layer<R, C>>>,
     #[cfg(feature = "std")]
     tables: coupled::Lazy<C>,
 }
 
-/// Equal layers under equal models; whether tables are built makes no difference.
+/// Equal layers under equal models and rules; whether tables are built makes no difference.
 impl<R: PartialEq, const C: usize> PartialEq for Stack<R, C> {
     fn eq(&self, other: &Self) -> bool {
-        self.layers == other.layers && self.model == other.model
+        self.layers == other.layers && self.model == other.model && self.rule() == other.rule()
+    }
+}
+
+impl<R, const C: usize> Stack<R, C> {
+    fn rule(&self) -> Widths {
+        self.widths.unwrap_or(self.model.widths())
     }
 }
 
@@ -188,13 +217,16 @@ impl<R: Real, const C: usize> Stack<R, C> {
     /// thickness, an albedo outside [0, 1], a diffuse base that is not the last layer, any number that is not finite.
     pub fn new(model: Model, layers: Vec<Layer<R, C>>) -> Result<Self, StackError> {
         error::validate(&layers)?;
-        Ok(Self::unchecked(model, layers))
+        Ok(Self::unchecked(model, None, layers))
     }
 
-    fn unchecked(model: Model, layers: Vec<Layer<R, C>>) -> Self {
+    fn unchecked(model: Model, widths: Option<Widths>, layers: Vec<Layer<R, C>>) -> Self {
+        let rule = widths.unwrap_or(model.widths());
         Stack {
+            widened: (rule != Widths::Own).then(|| rule.apply(&layers)),
             layers,
             model,
+            widths,
             #[cfg(feature = "std")]
             tables: coupled::Lazy::default(),
         }
@@ -206,9 +238,14 @@ impl<R: Real, const C: usize> Stack<R, C> {
         &self.tables
     }
 
-    /// The layers, from the top.
+    /// The layers as written, from the top.
     pub fn layers(&self) -> &[Layer<R, C>] {
         &self.layers
+    }
+
+    /// The layers with the widths that the models take: what a GPU buffer is to hold.
+    pub fn effective_layers(&self) -> &[Layer<R, C>] {
+        self.widened.as_ref().unwrap_or(&self.layers)
     }
 
     /// The model that [`Stack::evaluate`] uses.
@@ -216,9 +253,28 @@ impl<R: Real, const C: usize> Stack<R, C> {
         self.model
     }
 
-    /// The same layers under another model.
+    /// The same layers under another model, and under its rule of widths unless one was asked for.
     pub fn with_model(self, model: Model) -> Self {
-        Stack { model, ..self }
+        let widths = self.widths;
+        self.under(model, widths)
+    }
+
+    /// The rule by which covered interfaces are widened.
+    pub fn widths(&self) -> Widths {
+        self.rule()
+    }
+
+    /// The same layers under another rule of widths, whatever the model.
+    pub fn with_widths(self, widths: Widths) -> Self {
+        let model = self.model;
+        self.under(model, Some(widths))
+    }
+
+    /// Another rule needs tables of its own; another model alone does not.
+    fn under(self, model: Model, widths: Option<Widths>) -> Self {
+        let rule = self.rule();
+        let other = Self { model, widths, ..self };
+        if other.rule() == rule { other } else { Self::unchecked(model, widths, other.layers) }
     }
 
     /// The BRDF in sr⁻¹ for a pair of local unit directions, a value for each channel.
@@ -227,12 +283,18 @@ impl<R: Real, const C: usize> Stack<R, C> {
     #[inline]
     pub fn evaluate(&self, wi: impl Into<Vector<R>>, wo: impl Into<Vector<R>>) -> [R; C] {
         let (wi, wo) = (wi.into(), wo.into());
+        let layers = self.effective_layers();
         match self.model {
-            Model::Elek => elek(&self.layers, wi, wo),
-            Model::WeidlichWilkie => weidlich_wilkie(&self.layers, wi, wo),
-            Model::Conserving => conserving(&self.layers, wi, wo),
+            Model::Elek => elek(layers, wi, wo),
+            Model::WeidlichWilkie => weidlich_wilkie(layers, wi, wo),
+            Model::Conserving => conserving(layers, wi, wo),
             #[cfg(feature = "std")]
-            Model::Coupled => coupled::evaluate(&self.layers, self.tables.get(&self.layers), wi, wo),
+            Model::Coupled => coupled::evaluate(layers, self.tables.get(&self.layers, layers), wi, wo),
+            #[cfg(feature = "std")]
+            Model::Walk => {
+                let options = crate::walk::Options::default();
+                crate::walk::evaluate(&self.cast(), wi.cast(), wo.cast(), &options).mean.map(R::from_f64)
+            }
         }
     }
 
@@ -241,6 +303,8 @@ impl<R: Real, const C: usize> Stack<R, C> {
         Stack {
             layers: self.layers.iter().map(Layer::cast).collect(),
             model: self.model,
+            widths: self.widths,
+            widened: self.widened.as_ref().map(|layers| layers.iter().map(Layer::cast).collect()),
             #[cfg(feature = "std")]
             tables: self.tables.clone(),
         }
@@ -259,6 +323,6 @@ impl<R: Real> Stack<R, 1> {
             },
             medium: Medium { sigma: [layer.medium.sigma[0]; C], thickness: layer.medium.thickness },
         };
-        Stack::unchecked(self.model, self.layers.iter().map(layer).collect())
+        Stack::unchecked(self.model, self.widths, self.layers.iter().map(layer).collect())
     }
 }

@@ -125,22 +125,23 @@ fn effective<const C: usize>(layers: &[Layer<f64, C>]) -> Vec<usize> {
 }
 
 impl<const C: usize> Tables<C> {
-    pub(super) fn build(layers: &[Layer<f64, C>]) -> Self {
+    /// The tables of layers as written, which the walk follows, for the model of the `seen` ones, whose widths differ.
+    pub(super) fn build(written: &[Layer<f64, C>], seen: &[Layer<f64, C>]) -> Self {
         let start = Instant::now();
         let mut tables =
             Tables { transmitted: None, internal: [0.0; C], base: [0.0; C], closure: None, build_time: Duration::ZERO };
-        let met = effective(layers);
+        let met = effective(written);
         // The walk ignores the model; this one keeps the stack from asking for tables.
-        if let (true, Ok(stack)) = (met.len() > 1, Stack::new(Model::Conserving, layers.to_vec())) {
+        if let (true, Ok(stack)) = (met.len() > 1, Stack::new(Model::Conserving, written.to_vec())) {
             // A Lambert base under one interface is exact as it is.
             let mut exact = false;
-            if let Some(Layer { interface: Interface::Diffuse { albedo, sigma }, .. }) = layers.last() {
+            if let Some(Layer { interface: Interface::Diffuse { albedo, sigma }, .. }) = written.last() {
                 tables.base = base_albedo(albedo, *sigma);
                 tables.couple(&stack, &met);
                 exact = *sigma == 0.0 && met.len() == 2;
             }
             if !exact {
-                tables.close(&stack);
+                tables.close(&stack, seen);
             }
         }
         tables.build_time = start.elapsed();
@@ -182,8 +183,8 @@ impl<const C: usize> Tables<C> {
     }
 
     /// Fits the albedo of what lies under the top interface to the walk's.
-    fn close(&mut self, stack: &Stack<f64, C>) {
-        let nodes: Vec<Node<C>> = (0..NODES).map(|i| Node::integrate(stack.layers(), self, i)).collect();
+    fn close(&mut self, stack: &Stack<f64, C>, seen: &[Layer<f64, C>]) {
+        let nodes: Vec<Node<C>> = (0..NODES).map(|i| Node::integrate(seen, self, i)).collect();
         let raw: Vec<_> = (0..NODES)
             .map(|i| walk::lower_albedo(stack, view(Curve::<C>::cosine(i)), &options(0x7761_6c6b, i)))
             .collect();

@@ -103,7 +103,7 @@ pub fn compare_stack(gpu: &Gpu, stack: &Stack<f32, 3>, samples: usize) -> Result
     let mut stacks = StackBuffers::default();
     let place = stack_arguments(stack, &mut stacks);
     let start = place.len();
-    let narrowest = table::narrowest(stack.layers());
+    let narrowest = table::narrowest(stack.effective_layers());
     let rows: Vec<Vec<f32>> = (0..samples as u64)
         .map(|index| {
             let [wi, wo] = Draw::new(index).pair(narrowest).map(Vector::cast::<f32>);

@@ -1,10 +1,10 @@
 //! `brdf check`: the judge over the built-in materials or a user's stacks.
 
 use crate::failure::Failure;
-use crate::material::{self, AnyStack, Material};
+use crate::material::{self, AnyStack, Change, Material};
 use brdf::check::{self, Check, Finding, Fixed, Place, Report, StackSubject, Subject, Verdict};
 use brdf::gpu::Gpu;
-use brdf::layered::Model;
+use brdf::layered::{Model, Widths};
 use brdf::parity::{Comparison, compare_stack, stack_twin};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -20,6 +20,9 @@ pub(crate) struct Options {
     /// The model to judge the stacks under, in place of their own.
     #[arg(long, value_parser = material::model)]
     model: Option<Model>,
+    /// How wide covered interfaces are taken, in place of the stacks' own rule.
+    #[arg(long, value_parser = material::widths)]
+    widths: Option<Widths>,
     /// Seed of every random choice.
     #[arg(long, default_value_t = 1)]
     seed: u32,
@@ -51,14 +54,19 @@ fn parse_budget(text: &str) -> Result<usize, String> {
 }
 
 pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
+    let change = Change { model: options.model, widths: options.widths };
     let materials = if options.stacks.is_empty() {
-        let judged = |m: Material| Material { stack: m.stack.with_model(options.model), ..m };
+        let judged = |m: Material| Material { stack: m.stack.changed(change), ..m };
         material::built_in().into_iter().map(judged).collect()
     } else {
         // Every file is read before the first is judged: bad input stops the command early.
-        let load = |name: &String| material::load(name, options.model);
+        let load = |name: &String| material::load(name, change);
         options.stacks.iter().map(load).collect::<Result<Vec<_>, _>>()?
     };
+    if let Some(noisy) = materials.iter().find(|material| material.stack.model() == Model::Walk) {
+        let problem = "the walk's f is a mean of random numbers, whose noise would be judged in place of the stack";
+        return Err(format!("{}: {problem}; use --model coupled, or `brdf bench layered`", noisy.name).into());
+    }
     let (gpu, twins) = twins(options)?;
 
     let progress = ProgressBar::new(0);

@@ -4,13 +4,14 @@
 //! A line that cannot be answered comes back with an `error` in place of results.
 
 use crate::failure::Failure;
-use crate::material::{self, AnyStack};
+use crate::material::{self, AnyStack, Change};
 use crate::term::{self, Field, Kind, Results, Term, read_fields};
 use brdf::Vector;
 use brdf::gpu::{Gpu, StackBuffers};
 use brdf::layered::Model;
 use brdf::layered::description::{Description, Node, Value as Leaf};
 use brdf::parity::{Twin, map_twin, stack_arguments, stack_twin, twins};
+use brdf::walk;
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -26,6 +27,12 @@ pub(crate) struct Options {
     /// The adapter for `--as gpu`, by words of its name or backend; see `brdf list`.
     #[arg(long)]
     adapter: Option<String>,
+    /// Walks for each stack under the model `walk`.
+    #[arg(long, default_value_t = walk::Options::default().samples, value_parser = clap::value_parser!(u32).range(2..))]
+    walks: u32,
+    /// Seed of the walks.
+    #[arg(long, default_value_t = walk::Options::default().seed)]
+    seed: u32,
 }
 
 /// What computes the terms.
@@ -42,7 +49,7 @@ enum Mode {
 /// What a line asks for.
 enum Question {
     Term { term: &'static Term, fields: Vec<f64> },
-    Stack { stack: AnyStack, model: Model, wi: Vector<f64>, wo: Vector<f64> },
+    Stack { stack: AnyStack, wi: Vector<f64>, wo: Vector<f64> },
 }
 
 const DIRECTIONS: &[Field] =
@@ -80,7 +87,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
     }
     let answers = match gpu {
         Some(gpu) => on_adapter(&gpu, &questions)?,
-        None => questions.iter().map(|(_, question)| on_cpu(question, options.mode)).collect(),
+        None => questions.iter().map(|(_, question)| on_cpu(question, options)).collect(),
     };
     for ((index, _), results) in questions.iter().zip(answers) {
         objects[*index].extend(results.into_iter().map(|(name, value)| (name.to_owned(), value)));
@@ -111,23 +118,30 @@ fn question(object: &Map<String, Value>) -> Result<Question, String> {
 }
 
 fn stack_question(object: &Map<String, Value>) -> Result<Question, String> {
-    let model = match object.get("model") {
-        None => None,
-        Some(Value::String(name)) => Some(material::model(name)?),
-        Some(other) => return Err(format!("`model` is {other}, it must be a name")),
-    };
-    let (stack, written) = match object.get("stack") {
-        Some(Value::String(name)) => (material::load(name, model)?.stack, None),
+    fn named<T>(
+        object: &Map<String, Value>,
+        key: &str,
+        read: fn(&str) -> Result<T, String>,
+    ) -> Result<Option<T>, String> {
+        match object.get(key) {
+            None => Ok(None),
+            Some(Value::String(name)) => read(name).map(Some),
+            Some(other) => Err(format!("`{key}` is {other}, it must be a name")),
+        }
+    }
+    let change =
+        Change { model: named(object, "model", material::model)?, widths: named(object, "widths", material::widths)? };
+    let stack = match object.get("stack") {
+        Some(Value::String(name)) => material::load(name, change)?.stack,
         Some(tree @ Value::Object(_)) => {
             let description = Description::from_node(&node(tree)).map_err(|error| format!("stack: {error}"))?;
-            (AnyStack::new(&description, model).map_err(|error| format!("stack: {error}"))?, description.model)
+            AnyStack::new(&description, change).map_err(|error| format!("stack: {error}"))?
         }
         Some(other) => return Err(format!("`stack` is {other}, it must be a name, a file or an object with `layer`")),
         None => return Err("`stack` is missing: a name, a file or an object with `layer`".to_owned()),
     };
-    let model = model.or(written).unwrap_or_else(|| stack.model());
     let d = read_fields(DIRECTIONS, object)?;
-    Ok(Question::Stack { stack, model, wi: Vector::new(d[0], d[1], d[2]), wo: Vector::new(d[3], d[4], d[5]) })
+    Ok(Question::Stack { stack, wi: Vector::new(d[0], d[1], d[2]), wo: Vector::new(d[3], d[4], d[5]) })
 }
 
 /// The stack tree of a JSON value.
@@ -143,7 +157,8 @@ fn node(value: &Value) -> Node {
     leaf.into()
 }
 
-fn on_cpu(question: &Question, mode: Mode) -> Results {
+fn on_cpu(question: &Question, options: &Options) -> Results {
+    let mode = options.mode;
     match question {
         Question::Term { term, fields } => {
             let twin = twin(term.function);
@@ -156,7 +171,12 @@ fn on_cpu(question: &Question, mode: Mode) -> Results {
             };
             (term.results)(fields, &results)
         }
-        Question::Stack { stack, wi, wo, .. } => {
+        Question::Stack { stack, wi, wo } if stack.model() == Model::Walk => {
+            let walks = walk::Options { samples: options.walks, seed: options.seed, ..walk::Options::default() };
+            let (f, error) = stack.walk(*wi, *wo, &walks);
+            [stack_results(&f), vec![("standard_error", numbers(&error))]].concat()
+        }
+        Question::Stack { stack, wi, wo } => {
             let f: Vec<f64> = if mode == Mode::F64 {
                 stack.evaluate(*wi, *wo)
             } else {
@@ -168,7 +188,11 @@ fn on_cpu(question: &Question, mode: Mode) -> Results {
 }
 
 fn stack_results(f: &[f64]) -> Results {
-    vec![("f", f.iter().map(|x| term::json(*x)).collect())]
+    vec![("f", numbers(f))]
+}
+
+fn numbers(values: &[f64]) -> Value {
+    values.iter().map(|x| term::json(*x)).collect()
 }
 
 /// The function of this module and name in both languages. Every term's function has a twin, which a test asserts.
@@ -184,10 +208,11 @@ fn on_adapter(gpu: &Gpu, questions: &[(usize, Question)]) -> Result<Vec<Results>
     for (index, (_, question)) in questions.iter().enumerate() {
         let function = match question {
             Question::Term { term, .. } => term.function,
-            Question::Stack { model, .. } if stack_twin(*model).is_none() => {
-                return Err(Failure::Input(format!("the model {} has no twin", model.name())));
+            Question::Stack { stack, .. } if stack_twin(stack.model()).is_none() => {
+                let model = stack.model().name();
+                return Err(Failure::Input(format!("the model {model} is not evaluated on adapters here")));
             }
-            Question::Stack { model, .. } => ("layered", model.name()),
+            Question::Stack { stack, .. } => ("layered", stack.model().name()),
         };
         groups.entry(function).or_default().push(index);
     }

@@ -1,5 +1,6 @@
 //! The command `brdf`.
 
+mod bench;
 mod check;
 mod eval;
 mod failure;
@@ -24,13 +25,14 @@ struct Arguments {
 enum Command {
     /// List the terms, materials, models, metals and adapters.
     List(list::Options),
-
     /// Evaluate terms and stacks: JSON Lines in, the same objects with the results out.
     Eval(eval::Options),
     /// Judge the physical plausibility of the built-in materials or of stack files.
     Check(check::Options),
     /// Compare the WGSL twins with the Rust functions on every adapter.
     Parity(parity::Options),
+    /// Measure run time against error.
+    Bench(bench::Options),
     /// Draw a term as SVG.
     Plot(plot::Options),
 }
@@ -38,10 +40,10 @@ enum Command {
 fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::List(options) => list::run(&options),
-
         Command::Eval(options) => eval::run(&options),
         Command::Check(options) => check::run(&options),
         Command::Parity(options) => parity::run(&options),
+        Command::Bench(options) => bench::run(&options),
         Command::Plot(options) => plot::run(&options),
     };
     match result {

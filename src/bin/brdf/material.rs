@@ -1,10 +1,17 @@
 //! The stacks that a command is given: built-in names and stack files.
 
-use brdf::Real;
 use brdf::layered::description::{Description, DescriptionError};
-use brdf::layered::{Model, Stack};
+use brdf::layered::{Model, Stack, Widths};
 use brdf::material::stack;
+use brdf::{Real, Vector, walk};
 use std::path::Path;
+
+/// What a command asks of every stack in place of what the stack says.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Change {
+    pub(crate) model: Option<Model>,
+    pub(crate) widths: Option<Widths>,
+}
 
 /// A stack of one channel or three.
 #[derive(Clone, Debug)]
@@ -14,21 +21,28 @@ pub(crate) enum AnyStack {
 }
 
 impl AnyStack {
-    /// The stack of a description, under another model if one is given.
-    pub(crate) fn new(description: &Description, model: Option<Model>) -> Result<Self, DescriptionError> {
+    /// The stack of a description, changed.
+    pub(crate) fn new(description: &Description, change: Change) -> Result<Self, DescriptionError> {
         let stack = match description.channels() {
             1 => AnyStack::One(description.stack()?),
             _ => AnyStack::Three(description.stack()?),
         };
-        Ok(stack.with_model(model))
+        Ok(stack.changed(change))
     }
 
-    /// The same stack under another model, if one is given.
-    pub(crate) fn with_model(self, model: Option<Model>) -> Self {
-        match (self, model) {
-            (AnyStack::One(stack), Some(model)) => AnyStack::One(stack.with_model(model)),
-            (AnyStack::Three(stack), Some(model)) => AnyStack::Three(stack.with_model(model)),
-            (stack, None) => stack,
+    /// The same layers under another model and rule of widths.
+    pub(crate) fn changed(self, change: Change) -> Self {
+        fn one<const C: usize>(stack: Stack<f64, C>, change: Change) -> Stack<f64, C> {
+            let model = change.model.unwrap_or(stack.model());
+            let stack = stack.with_model(model);
+            match change.widths {
+                Some(widths) => stack.with_widths(widths),
+                None => stack,
+            }
+        }
+        match self {
+            AnyStack::One(stack) => AnyStack::One(one(stack, change)),
+            AnyStack::Three(stack) => AnyStack::Three(one(stack, change)),
         }
     }
 
@@ -41,10 +55,21 @@ impl AnyStack {
     }
 
     /// The BRDF in a number type, a value for each channel.
-    pub(crate) fn evaluate<R: Real>(&self, wi: brdf::Vector<R>, wo: brdf::Vector<R>) -> Vec<R> {
+    pub(crate) fn evaluate<R: Real>(&self, wi: Vector<R>, wo: Vector<R>) -> Vec<R> {
         match self {
             AnyStack::One(stack) => stack.cast::<R>().evaluate(wi, wo).to_vec(),
             AnyStack::Three(stack) => stack.cast::<R>().evaluate(wi, wo).to_vec(),
+        }
+    }
+
+    /// The f of the walk and its standard error, for each channel.
+    pub(crate) fn walk(&self, wi: Vector<f64>, wo: Vector<f64>, options: &walk::Options) -> (Vec<f64>, Vec<f64>) {
+        fn one<const C: usize>(estimate: walk::Estimate<C>) -> (Vec<f64>, Vec<f64>) {
+            (estimate.mean.to_vec(), estimate.standard_error.to_vec())
+        }
+        match self {
+            AnyStack::One(stack) => one(walk::evaluate(stack, wi, wo, options)),
+            AnyStack::Three(stack) => one(walk::evaluate(stack, wi, wo, options)),
         }
     }
 
@@ -52,6 +77,14 @@ impl AnyStack {
         match self {
             AnyStack::One(stack) => stack.model(),
             AnyStack::Three(stack) => stack.model(),
+        }
+    }
+
+    /// How many layers there are.
+    pub(crate) fn layers(&self) -> usize {
+        match self {
+            AnyStack::One(stack) => stack.layers().len(),
+            AnyStack::Three(stack) => stack.layers().len(),
         }
     }
 
@@ -77,9 +110,9 @@ pub(crate) fn built_in() -> Vec<Material> {
 }
 
 /// The built-in material of this name, else the one in the stack file of this path.
-pub(crate) fn load(name: &str, model: Option<Model>) -> Result<Material, String> {
+pub(crate) fn load(name: &str, change: Change) -> Result<Material, String> {
     if let Some(stack) = stack::by_name(name) {
-        return Ok(Material { name: name.to_owned(), stack: AnyStack::Three(stack).with_model(model) });
+        return Ok(Material { name: name.to_owned(), stack: AnyStack::Three(stack).changed(change) });
     }
     if !Path::new(name).exists() {
         return Err(format!("{name} is neither a built-in material (see `brdf list`) nor a file"));
@@ -87,7 +120,7 @@ pub(crate) fn load(name: &str, model: Option<Model>) -> Result<Material, String>
     let text = std::fs::read_to_string(name).map_err(|error| format!("{name}: {error}"))?;
     let locate = |error: DescriptionError| format!("{name}: {error}");
     let description = Description::from_toml(&text).map_err(locate)?;
-    let stack = AnyStack::new(&description, model).map_err(locate)?;
+    let stack = AnyStack::new(&description, change).map_err(locate)?;
     Ok(Material { name: description.name.unwrap_or_else(|| name.to_owned()), stack })
 }
 
@@ -95,4 +128,10 @@ pub(crate) fn load(name: &str, model: Option<Model>) -> Result<Material, String>
 pub(crate) fn model(name: &str) -> Result<Model, String> {
     Model::from_name(name)
         .ok_or_else(|| format!("`{name}` is no model; there are {}", Model::ALL.map(Model::name).join(", ")))
+}
+
+/// Reads the name of a rule of widths.
+pub(crate) fn widths(name: &str) -> Result<Widths, String> {
+    Widths::from_name(name)
+        .ok_or_else(|| format!("`{name}` is no rule of widths; there are {}", Widths::ALL.map(Widths::name).join(", ")))
 }

@@ -1,0 +1,27 @@
+//! `brdf bench`: run time against error.
+
+mod chart;
+mod layered;
+
+use crate::failure::Failure;
+use clap::{Args, Subcommand};
+use std::process::ExitCode;
+
+/// What `brdf bench` is asked for.
+#[derive(Args)]
+pub(crate) struct Options {
+    #[command(subcommand)]
+    subject: Subject,
+}
+
+#[derive(Subcommand)]
+enum Subject {
+    /// The models of layered stacks against the walk: albedo, f, time and tables.
+    Layered(layered::Options),
+}
+
+pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
+    match &options.subject {
+        Subject::Layered(options) => layered::run(options),
+    }
+}
