@@ -329,6 +329,19 @@ impl Real for WgslInterval {
         };
         (around(c), around(s))
     }
+    /// The hull of the values at both ends and at every node between them. Nodes are rounded to f32 (½ ULP); 1 − u, each
+    /// product and the sum of two that are ≥ 0 add 1 ULP each. The fraction u is exact.
+    fn interpolate<const C: usize>(self, nodes: &[[f64; C]]) -> [Self; C] {
+        let ends = [self.low, self.high].map(|end| Real::interpolate(end.max(0.0), nodes));
+        let first = (self.low.max(0.0) as usize).saturating_add(1);
+        let between = (self.high.max(0.0) as usize).saturating_add(1).min(nodes.len());
+        let met = nodes.get(first..between).unwrap_or_default();
+        core::array::from_fn(|c| {
+            let values = ends.iter().chain(met).map(|value| value[c]);
+            let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(low, high), x| (low.min(x), high.max(x)));
+            Self::rounded(low, high, 3.5)
+        })
+    }
     /// Clenshaw's sum for a value in [1, 1.3]: u 4.5 ULP times a slope ≤ 0.5; the sums 6; the divisor 2, the division 2.5;
     /// the dropped terms 7e-9 = 0.1.
     fn erfcx(self) -> Self {
@@ -382,6 +395,27 @@ mod tests {
             assert!(product.contains(allowed), "{allowed:e} {product:?}");
         }
         assert!(!product.contains((a * b) * 1.01) && !product.contains(-f32::from_bits(1)), "{product:?}");
+    }
+
+    #[test]
+    fn an_interpolation_holds_the_nodes_that_its_position_spans() {
+        let nodes = [[1.0, 0.0], [4.0, 0.5], [2.0, 0.0], [2.5, 7.0]];
+        let at = |low: f64, high: f64| WgslInterval { low, high }.interpolate(&nodes);
+        for (position, want) in [(0.0, [1.0, 0.0]), (1.0, [4.0, 0.5]), (2.5, [2.25, 3.5]), (3.0, [2.5, 7.0])] {
+            let [a, b] = at(position, position);
+            for (interval, want) in [(a, want[0]), (b, want[1])] {
+                assert!(interval.low <= want && want <= interval.high, "{position} {interval:?}");
+                assert!(interval.high - interval.low <= 7.1 * ULP * want, "{position} {interval:?}");
+            }
+            let single: [f32; 2] = (position as f32).interpolate(&nodes);
+            assert!(a.contains(single[0]) && b.contains(single[1]));
+        }
+        let [a, b] = at(0.5, 2.25);
+        assert!(a.contains(4.0) && a.contains(2.0) && a.low > 1.99 && a.high < 4.01, "{a:?}");
+        assert!(b.contains(0.0) && b.contains(1.75) && b.high < 1.751, "{b:?}");
+        // Past an end, as rounding may take a position: the last node.
+        assert!(at(2.9, 3.1)[1].contains(7.0) && at(2.9, 3.1)[1].high < 7.001);
+        assert!(at(-0.1, 0.1)[0].contains(1.0) && at(-0.1, 0.1)[0].low > 0.999);
     }
 
     #[test]

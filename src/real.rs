@@ -149,6 +149,20 @@ pub trait Real:
         Self::select(product.le(Self::EXP_LIMIT), value - value * error, Self::ZERO)
     }
 
+    /// The function that is `nodes[i]` at i and linear between, at this position, for each channel.
+    ///
+    /// In plain text: a·(1−u) + b·u of the two nodes around the position, u its fraction. `nodes` ≥ 0; the position in
+    /// [0, length − 1], clamped there; 0 without nodes. The twin is a part of `layered::coupled`. Error in f32: ≤ 3.5 ULP of the value at the position given.
+    #[inline(always)]
+    fn interpolate<const C: usize>(self, nodes: &[[f64; C]]) -> [Self; C] {
+        let left = (self.to_f64() as usize).min(nodes.len().saturating_sub(2));
+        let (Some(a), Some(b)) = (nodes.get(left), nodes.get(left + 1).or(nodes.last())) else {
+            return [Self::ZERO; C];
+        };
+        let u = (self - Self::from_f64(left as f64)).saturate();
+        core::array::from_fn(|c| Self::from_f64(a[c]) * (Self::ONE - u) + Self::from_f64(b[c]) * u)
+    }
+
     /// x clamped to [0, 1]; NaN becomes 0.
     #[inline(always)]
     fn saturate(self) -> Self {

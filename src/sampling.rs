@@ -86,19 +86,7 @@ impl<R: Real, const C: usize> Stack<R, C> {
     /// sample counts as 0. See [`sample`].
     #[inline]
     pub fn sample(&self, wo: impl Into<Vector<R>>, u: [R; 3]) -> Option<Sample<R>> {
-        let wo = wo.into();
-        let share = R::from_f64(cosine_share(self.model()));
-        if share == R::ZERO {
-            return sample(self.effective_layers(), self.model(), wo, u);
-        }
-        let wi = if u[0].lt(share).all() {
-            cosine_hemisphere([u[1], u[2]])
-        } else {
-            let rest = (u[0] - share) / (R::ONE - share);
-            sample(self.effective_layers(), Model::Conserving, wo, [rest, u[1], u[2]])?.wi
-        };
-        let pdf = self.pdf(wi, wo);
-        pdf.gt(R::ZERO).all().then_some(Sample { wi, pdf })
+        sample(self.effective_layers(), self.model(), wo.into(), u)
     }
 
     /// The density in sr⁻¹ with which [`Stack::sample`] draws `wi` for the view `wo`.
@@ -106,15 +94,7 @@ impl<R: Real, const C: usize> Stack<R, C> {
     /// 0 where either is at or below the horizon. See [`pdf`].
     #[inline]
     pub fn pdf(&self, wi: impl Into<Vector<R>>, wo: impl Into<Vector<R>>) -> R {
-        let (wi, wo) = (wi.into(), wo.into());
-        let share = R::from_f64(cosine_share(self.model()));
-        let lobes = pdf(self.effective_layers(), self.model(), wi, wo);
-        if share == R::ZERO {
-            return lobes;
-        }
-        let lit = wi.z.gt(R::ZERO) & wo.z.gt(R::ZERO);
-        let cosine = R::select(lit, wi.z * R::FRAC_1_PI, R::ZERO);
-        cosine * share + lobes * (R::ONE - share)
+        pdf(self.effective_layers(), self.model(), wi.into(), wo.into())
     }
 }
 
@@ -130,7 +110,7 @@ fn cosine_share(model: Model) -> f64 {
 
 /// A direction `wi` for a view of a stack, drawn about in proportion to f·cos, and its density.
 ///
-/// * `layers` from the top; `model` that evaluates them, one of [`Model::CLOSED_FORM`] ([`Stack::sample`] takes every model).
+/// * `layers` from the top; `model` that evaluates them.
 /// * `wo`: a local unit vector. `u`: three independent numbers, uniform in [0, 1). The first chooses the interface, and is
 ///   used up to its last digits.
 ///
@@ -166,11 +146,15 @@ pub fn pdf<R: Real, const C: usize>(layers: &[Layer<R, C>], model: Model, wi: Ve
         total = total.plus(lobe.weights, R::ONE);
         density = density.plus(lobe.weights, p);
     });
-    R::select(lit, total.share(density), R::ZERO)
+    let (lobes, share) = (total.share(density), cosine_share(model));
+    let mixed =
+        if share > 0.0 { wi.z * R::FRAC_1_PI * R::from_f64(share) + lobes * R::from_f64(1.0 - share) } else { lobes };
+    R::select(lit, mixed, R::ZERO)
 }
 
 /// What f·cos/pdf is bounded by, up to the factor [`WEIGHT_BOUND`]: Σs of the view `wo`, at most 1 for each interface (n²
-/// for `elek`) and, where channels disperse, for each channel.
+/// for `elek`) and, where channels disperse, for each channel. For [`Model::CLOSED_FORM`]; under `coupled` no bound is
+/// derived, and this is what [`Model::Conserving`] has.
 pub fn ceiling<R: Real, const C: usize>(layers: &[Layer<R, C>], model: Model, wo: Vector<R>) -> R {
     let mut total = Weights::none();
     if wo.z.gt(R::ZERO).any() {
@@ -251,7 +235,14 @@ pub(crate) fn draw<R: Real, const C: usize>(
     }
     let mut total = Weights::none();
     visit(layers, model, wo, |lobe| total = total.plus(lobe.weights, R::ONE));
-    let mut rest = below_one(u[0]);
+    let share = cosine_share(model);
+    let (spreads, first) = if share > 0.0 {
+        let share = R::from_f64(share);
+        (u[0].lt(share), (u[0] - share) / (R::ONE - share))
+    } else {
+        (R::ONE.lt(R::ZERO), u[0])
+    };
+    let mut rest = below_one(first);
     let mut pending = R::ZERO.le(R::ZERO);
     visit(layers, model, wo, |lobe| {
         let share = total.share(lobe.weights);
@@ -265,6 +256,11 @@ pub(crate) fn draw<R: Real, const C: usize>(
         pending = pending & !chosen;
         rest = rest - share;
     });
+    if spreads.any() {
+        let even = cosine_hemisphere([u[1], u[2]]);
+        let pick = |new: R, old: R| R::select(spreads, new, old);
+        wi = Vector::new(pick(even.x, wi.x), pick(even.y, wi.y), pick(even.z, wi.z));
+    }
     let lit = wi.z.gt(R::ZERO);
     let pdf = pdf(layers, model, wi, wo);
     let found = lit & pdf.gt(R::ZERO);

@@ -166,7 +166,9 @@ fn the_twins_answer_as_the_rust_functions_do() {
         return;
     }
     let input = "{\"term\": \"fresnel.conductor\", \"cos\": 0.5, \"n\": 0.2, \"k\": 3.9}\n\
-                 {\"term\": \"stack\", \"stack\": \"varnished_concrete\", \"wi\": [0.6, 0, 0.8], \"wo\": [-0.28, 0, 0.96]}\n";
+                 {\"term\": \"stack\", \"stack\": \"varnished_concrete\", \"wi\": [0.6, 0, 0.8], \"wo\": [-0.28, 0, 0.96]}\n\
+                 {\"term\": \"stack\", \"stack\": \"varnished_concrete\", \"model\": \"coupled\", \"wi\": [0.6, 0, 0.8], \"wo\": [-0.28, 0, 0.96]}\n\
+                 {\"term\": \"stack\", \"stack\": \"clear_coat_over_copper\", \"model\": \"coupled\", \"wi\": [0.6, 0, 0.8], \"wo\": [-0.28, 0, 0.96]}\n";
     let rows = |mode: &str| -> Vec<Value> {
         let output = brdf(&["eval", "--as", mode], input);
         assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
@@ -174,13 +176,26 @@ fn the_twins_answer_as_the_rust_functions_do() {
     };
     let (double, single, gpu) = (rows("f64"), rows("f32"), rows("gpu"));
     for others in [&single, &gpu] {
-        let pairs = [(&double[0]["F"], &others[0]["F"]), (&double[1]["f"][2], &others[1]["f"][2])];
-        for (want, got) in pairs {
+        let stacks = [1, 2, 3].map(|row| (&double[row]["f"][2], &others[row]["f"][2]));
+        for (want, got) in stacks.into_iter().chain([(&double[0]["F"], &others[0]["F"])]) {
             let (want, got) = (want.as_f64().expect("a number"), got.as_f64().expect("a number"));
             // The inputs themselves are rounded to f32 (2⁻²⁴), and no term here magnifies that more than 50 times.
             assert!((got / want - 1.0).abs() < 50.0 * f64::from(f32::EPSILON), "{want} {got}");
         }
     }
+}
+
+#[test]
+fn check_compares_the_twin_of_coupled() {
+    if brdf::gpu::policy() == brdf::gpu::Policy::Off {
+        eprintln!("SKIPPED: check_compares_the_twin_of_coupled: BRDF_GPU=off");
+        return;
+    }
+    let output = brdf(&["check", "--model", "coupled", "--budget", "10000", "--json", "clear_coat_over_copper"], "");
+    let json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let findings = json["reports"][0]["findings"].as_array().expect("findings");
+    let twin = findings.iter().find(|finding| finding["check"] == "TWIN").expect("a finding about the twin");
+    assert_eq!(twin["verdict"], "PASS", "{twin}");
 }
 
 #[test]

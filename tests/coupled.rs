@@ -204,6 +204,34 @@ fn prepared_and_lazy_are_one_and_copies_share() {
     assert_eq!(Model::from_name("coupled"), Some(Model::Coupled));
 }
 
+/// What a shader reads: marks of the curves that there are, and the curves where they say.
+#[cfg(feature = "bytemuck")]
+#[test]
+fn tables_are_laid_out_in_rows() {
+    let base = |sigma| Layer::<f64, 3>::new(Interface::diffuse([0.9, 0.5, 0.1], sigma));
+    for (layers, count, marks) in [
+        (vec![copper(0.2)], 2, [0.0, 0.0]),
+        (vec![coat(1.5, 0.01), base(0.0)], 2, [0.0, 0.0]),
+        (vec![coat(1.5, 0.2), base(0.0)], 34, [2.0, 0.0]),
+        (vec![coat(1.5, 0.2), copper(0.2)], 66, [0.0, 2.0]),
+        (vec![coat(1.5, 0.2), base(0.5)], 98, [2.0, 34.0]),
+    ] {
+        let prepared = Coupled::new(&coupled(layers));
+        let rows = prepared.buffer_rows();
+        assert_eq!((rows.len(), [rows[0][3], rows[1][3]]), (count, marks));
+        assert!(rows.iter().flatten().all(|x| x.is_finite() && *x >= 0.0));
+        let r = prepared.internal_reflectance();
+        if marks == [2.0, 0.0] {
+            for (c, rho) in [0.9f64, 0.5, 0.1].into_iter().enumerate() {
+                let want = rho * rho * r[c] / (1.0 - rho * r[c]);
+                assert!((f64::from(rows[0][c]) / want - 1.0).abs() < 1e-6, "{want} {:?}", rows[0]);
+                // More light gets through along the normal than at grazing.
+                assert!(rows[33][c] > 0.9 && rows[2][c] < 0.5, "{:?} {:?}", rows[2], rows[33]);
+            }
+        }
+    }
+}
+
 #[test]
 fn it_is_reciprocal_and_not_negative() {
     for material in built_in() {

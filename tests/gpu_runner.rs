@@ -34,12 +34,12 @@ fn scalars_and_columns() {
         let scale = kernel(&gpu, source, "scale");
         let x: Vec<f32> = (0..1000).map(|i| i as f32).collect();
         let by = vec![0.5; 1000];
-        let results = columns(&scale.run(&rows(&[&x, &by]).unwrap(), None).unwrap(), 1);
+        let results = columns(&scale.run(&rows(&[&x, &by]).unwrap(), &[]).unwrap(), 1);
         let want: Vec<f32> = x.iter().map(|x| x * 0.5).collect();
         assert_eq!(results, [want], "{}", gpu.info());
-        assert_eq!(scale.run_f32(&[3.0, 2.0, 5.0, 4.0], None).unwrap(), [6.0, 20.0], "{}", gpu.info());
-        assert_eq!(scale.run(&[], None).unwrap(), [], "{}", gpu.info());
-        assert_eq!(scale.run_f32(&[], None).unwrap(), [], "{}", gpu.info());
+        assert_eq!(scale.run_f32(&[3.0, 2.0, 5.0, 4.0], &[]).unwrap(), [6.0, 20.0], "{}", gpu.info());
+        assert_eq!(scale.run(&[], &[]).unwrap(), [], "{}", gpu.info());
+        assert_eq!(scale.run_f32(&[], &[]).unwrap(), [], "{}", gpu.info());
     }
 }
 
@@ -48,7 +48,7 @@ fn vectors_in_and_out() {
     let source = "fn cross_of(a: vec3<f32>, b: vec3f) -> vec3<f32> { return cross(a, b); }";
     for gpu in adapters_for_tests() {
         let input = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 2.0, 3.0, 0.0, 0.0];
-        let output = kernel(&gpu, source, "cross_of").run_f32(&input, None).unwrap();
+        let output = kernel(&gpu, source, "cross_of").run_f32(&input, &[]).unwrap();
         assert_eq!(output, [0.0, 0.0, 1.0, 0.0, 6.0, 0.0], "{}", gpu.info());
     }
 }
@@ -68,8 +68,8 @@ fn structs_with_nested_members() {
         let f = f32::to_bits;
         let input = [f(1.0), f(2.0), f(3.0), 7, 41, f(4.0), f(5.0), f(6.0), 0, u32::MAX];
         let want = [f(6.0), f(-1.0), f(-2.0), f(-3.0), 0, 42, f(12.0), f(-4.0), f(-5.0), f(-6.0), 1, 0];
-        assert_eq!(trace.run(&input, None).unwrap(), want, "{}", gpu.info());
-        let error = trace.run_f32(&[0.0; 5], None).unwrap_err().to_string();
+        assert_eq!(trace.run(&input, &[]).unwrap(), want, "{}", gpu.info());
+        let error = trace.run_f32(&[0.0; 5], &[]).unwrap_err().to_string();
         assert_eq!(error, "`trace`: `ray.hit` is bool, not f32: pass words");
     }
 }
@@ -85,7 +85,7 @@ fn integers_and_booleans() {
         let n = |x: i32| x as u32;
         let input = [n(i32::MIN + 1), 0x1234_5678, 1, n(-5), 9, 0, 256, 1];
         let want = [n(i32::MIN), 0xedcb_a987, 1, 1, 0, n(-5), 9, 9, n(-5)];
-        assert_eq!(kernel(&gpu, source, "mix_up").run(&input, None).unwrap(), want, "{}", gpu.info());
+        assert_eq!(kernel(&gpu, source, "mix_up").run(&input, &[]).unwrap(), want, "{}", gpu.info());
     }
 }
 
@@ -103,12 +103,12 @@ fn matrices_and_arrays() {
         // Columns (1,2,3) and (4,5,6).
         let m = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
         let turn = kernel(&gpu, source, "turn");
-        let output = turn.run_f32(&[m.as_slice(), &[1.0, 0.0, 0.5, 2.0]].concat(), None).unwrap();
+        let output = turn.run_f32(&[m.as_slice(), &[1.0, 0.0, 0.5, 2.0]].concat(), &[]).unwrap();
         assert_eq!(output, [1.0, 2.0, 3.0, 8.5, 11.0, 13.5], "{}", gpu.info());
         assert_eq!(turn.signature().outputs()[3].name, "value[1].x");
 
         let input: Vec<u32> = m.iter().map(|x| x.to_bits()).chain([7]).collect();
-        let output = kernel(&gpu, source, "transposed").run(&input, None).unwrap();
+        let output = kernel(&gpu, source, "transposed").run(&input, &[]).unwrap();
         let want: Vec<u32> = [1.0f32, 4.0, 2.0, 5.0, 3.0, 6.0].iter().map(|x| x.to_bits()).chain([7, 8, 9]).collect();
         assert_eq!(output, want, "{}", gpu.info());
     }
@@ -126,23 +126,48 @@ fn storage_completes_the_module() {
     let layers: Vec<u8> = [1.0f32, 2.0, 3.0, 0.1, 4.0, 5.0, 6.0, 0.2].iter().flat_map(|x| x.to_le_bytes()).collect();
     for gpu in adapters_for_tests() {
         let kernel = Kernel::new(&gpu, source, "eta_of", Some(bindings)).unwrap();
-        let output = kernel.run(&[1, 2f32.to_bits(), 0, 1f32.to_bits()], Some(&layers)).unwrap();
+        let output = kernel.run(&[1, 2f32.to_bits(), 0, 1f32.to_bits()], &[&layers]).unwrap();
         assert_eq!(columns(&output, 3), [[8.0, 1.0], [10.0, 2.0], [12.0, 3.0]], "{}", gpu.info());
-        for (storage, why) in [(None, "none given"), (Some(&[][..]), "0 bytes"), (Some(&layers[..30]), "30 bytes")] {
+        for (storage, why) in [(&[][..], "none given"), (&[&[][..]][..], "0 bytes"), (&[&layers[..30]][..], "30 bytes")]
+        {
             let error = kernel.run(&[0, 0], storage).unwrap_err().to_string();
             assert!(error.contains(why), "{error}");
         }
         // Less than one element of the array: refused by the device, not by a crash.
-        let error = kernel.run(&[0, 0], Some(&layers[..4])).unwrap_err();
+        let error = kernel.run(&[0, 0], &[&layers[..4]]).unwrap_err();
         assert!(matches!(error, GpuError::Rejected { .. }), "{error}");
         // And the device still works.
-        assert!(kernel.run(&[0, 0], Some(&layers)).is_ok());
+        assert!(kernel.run(&[0, 0], &[&layers]).is_ok());
 
         // A bare constant in place of the buffer needs no storage.
         let constant = "fn stack_layer(i: u32) -> Layer { return Layer(vec3<f32>(f32(i)), 0.5); }";
         let kernel = Kernel::new(&gpu, source, "eta_of", Some(constant)).unwrap();
-        assert_eq!(columns(&kernel.run(&[3, 2f32.to_bits()], None).unwrap(), 3), [[6.0], [6.0], [6.0]]);
-        assert!(kernel.run(&[3, 0], Some(&layers)).unwrap_err().to_string().contains("no storage buffer"));
+        assert_eq!(columns(&kernel.run(&[3, 2f32.to_bits()], &[]).unwrap(), 3), [[6.0], [6.0], [6.0]]);
+        assert!(kernel.run(&[3, 0], &[&layers]).unwrap_err().to_string().contains("no storage buffer"));
+    }
+}
+
+#[test]
+fn several_storage_buffers_are_bound_by_order() {
+    let source = "fn pick(i: u32) -> f32 { return first(i) * 10.0 + last(i); }";
+    // The order of declaration does not count, and bindings may be left out.
+    let bindings = "
+        @group(0) @binding(6) var<storage, read> b: array<f32>;
+        @group(0) @binding(4) var<storage, read> a: array<f32>;
+        fn first(i: u32) -> f32 { return a[i]; }
+        fn last(i: u32) -> f32 { return b[i]; }";
+    let bytes = |values: [f32; 2]| values.map(f32::to_le_bytes).concat();
+    let (a, b) = (bytes([1.0, 2.0]), bytes([3.0, 4.0]));
+    for gpu in adapters_for_tests() {
+        let pick = Kernel::new(&gpu, source, "pick", Some(bindings)).unwrap();
+        let output = pick.run(&[0, 1], &[&a, &b]).unwrap();
+        assert_eq!(columns(&output, 1), [[13.0, 24.0]], "{}", gpu.info());
+        for (storage, why) in
+            [(&[&a[..]][..], "(binding 6): none"), (&[&a[..], &b, &a][..], "no storage buffer at binding 7")]
+        {
+            let error = pick.run(&[0], storage).unwrap_err().to_string();
+            assert!(error.contains(why), "{error}");
+        }
     }
 }
 
@@ -153,7 +178,7 @@ fn more_rows_than_one_line_of_workgroups() {
         // More than 65535·64 rows need a second line, more than 2²⁴ words a second dispatch.
         for rows in [65_535 * 64 + 1, (1 << 24) + 77] {
             let input: Vec<u32> = (0..rows).collect();
-            let output = kernel(&gpu, source, "next").run(&input, None).unwrap();
+            let output = kernel(&gpu, source, "next").run(&input, &[]).unwrap();
             assert_eq!(output.len(), input.len());
             let wrong = input.iter().zip(&output).find(|(i, o)| **o != i.wrapping_mul(3).wrapping_add(1));
             assert_eq!(wrong, None, "{}", gpu.info());
@@ -167,10 +192,10 @@ fn small_dispatches_give_the_same_results() {
     for gpu in adapters_for_tests() {
         let input: Vec<u32> = (0..1001u32).flat_map(|i| [(i as f32).to_bits(), 2 * i]).collect();
         let whole = kernel(&gpu, source, "pair");
-        let want = whole.run(&input, None).unwrap();
+        let want = whole.run(&input, &[]).unwrap();
         assert_eq!(want[3 * 1000 + 2], 3000f32.to_bits(), "{}", gpu.info());
         for rows in [1, 64, 100, 1000, 1001] {
-            assert_eq!(whole.clone().with_rows_per_dispatch(rows).run(&input, None).unwrap(), want, "{}", gpu.info());
+            assert_eq!(whole.clone().with_rows_per_dispatch(rows).run(&input, &[]).unwrap(), want, "{}", gpu.info());
         }
     }
 }
@@ -184,9 +209,9 @@ fn words_pass_unchanged() {
     let quiet = f32::NAN.to_bits();
     let words = [quiet, 0x7f80_0001, 0xffff_ffff, 0x7f80_0000, 0xff80_0000, 1, 0x8000_0001, 0x007f_ffff, 0x8000_0000];
     for gpu in adapters_for_tests() {
-        assert_eq!(kernel(&gpu, source, "same").run(&words, None).unwrap(), words, "{}", gpu.info());
-        assert_eq!(kernel(&gpu, source, "signed").run(&words, None).unwrap(), words, "{}", gpu.info());
-        let infinite = kernel(&gpu, source, "exponent").run(&[0x7f80_0000, 0x3f80_0000], None).unwrap();
+        assert_eq!(kernel(&gpu, source, "same").run(&words, &[]).unwrap(), words, "{}", gpu.info());
+        assert_eq!(kernel(&gpu, source, "signed").run(&words, &[]).unwrap(), words, "{}", gpu.info());
+        let infinite = kernel(&gpu, source, "exponent").run(&[0x7f80_0000, 0x3f80_0000], &[]).unwrap();
         assert_eq!(infinite, [1, 0], "{}", gpu.info());
     }
 }
@@ -205,7 +230,7 @@ fn mistakes_are_errors_with_a_reason() {
         let error = Kernel::new(&gpu, source, "f", Some("fn broken( {")).unwrap_err().to_string();
         assert!(error.starts_with("line 4, column "), "{error}");
 
-        let error = kernel(&gpu, source, "f").run(&[0; 4], None).unwrap_err().to_string();
+        let error = kernel(&gpu, source, "f").run(&[0; 4], &[]).unwrap_err().to_string();
         assert_eq!(error, "`f`: 4 words are no whole rows of 3 (a, b.x, b.y)");
 
         // Valid WGSL that this device has not enabled, and one whose globals collide with the kernel's.
@@ -226,12 +251,12 @@ fn a_device_of_ones_own_works_until_it_is_lost() {
         let gpu = Gpu::from_device(opened.device().clone(), opened.queue().clone());
         assert_eq!(gpu.info().to_string(), opened.info().to_string());
         let twice = kernel(&gpu, source, "twice");
-        assert_eq!(twice.run_f32(&[1.5], None).unwrap(), [3.0]);
+        assert_eq!(twice.run_f32(&[1.5], &[]).unwrap(), [3.0]);
         let of_opened = kernel(&opened, source, "twice");
         gpu.device().destroy();
         let _ = gpu.device().poll(wgpu::PollType::Poll);
         let compiled = Kernel::new(&gpu, source, "twice", None).map(|_| ()).unwrap_err();
-        let ran = [&twice, &of_opened].map(|kernel| kernel.run_f32(&[1.5], None).unwrap_err());
+        let ran = [&twice, &of_opened].map(|kernel| kernel.run_f32(&[1.5], &[]).unwrap_err());
         for error in ran.into_iter().chain([compiled]) {
             assert!(matches!(error, GpuError::Lost { .. }), "{error}");
         }
@@ -250,7 +275,7 @@ fn threads_share_a_device() {
                     for _ in 0..5 {
                         let input: Vec<u32> = (start..start + 1000).collect();
                         let want: Vec<u32> = (start + 1..start + 1001).collect();
-                        assert_eq!(next.run(&input, None).unwrap(), want, "{}", gpu.info());
+                        assert_eq!(next.run(&input, &[]).unwrap(), want, "{}", gpu.info());
                     }
                 });
             }

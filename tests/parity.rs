@@ -52,7 +52,7 @@ fn built_in_stacks_agree_under_every_model() {
     use brdf::layered::Model;
     for gpu in adapters_for_tests() {
         for material in brdf::material::stack::built_in() {
-            for model in Model::CLOSED_FORM {
+            for model in Model::CLOSED_FORM.into_iter().chain([Model::Coupled]) {
                 let stack = material.stack.cast::<f32>().with_model(model);
                 let result = compare_stack(&gpu, &stack, 1_000).expect("a kernel that runs");
                 assert!(result.agrees(), "{} {model:?} on {}: {result:#?}", material.name, gpu.info());
@@ -77,6 +77,15 @@ fn a_broken_twin_differs() {
         ("phong", "phong", "wi.x + wo.x", "wi.x - wo.x"),
         ("layered", "conserving", "/ (eta * eta)", "/ eta"),
         ("layered", "elek", "(1.0 - g) + transmitted", "(1.0 - g) - transmitted"),
+        ("layered", "coupled", "u32(place), layered__curve_nodes - 2u", "u32(place) + 1u, layered__curve_nodes - 2u"),
+        ("layered", "coupled", "1.0 / (n_above * n_above)", "1.0 / n_above"),
+        ("layered", "coupled", "/ (eta * eta)", "/ eta"),
+        ("layered", "coupled", "1.0 - back * split", "1.0 + back * split"),
+        ("layered", "coupled", "* closure.xyz", "* closure.yzx"),
+        ("layered", "coupled", "diffuse_lambert(series)", "-diffuse_lambert(series)"),
+        ("layered", "coupled", "absorbed *= depth", "absorbed *= 0.5 * depth"),
+        ("sampling", "sample", "u.x - sampling__cosine_share", "u.x + sampling__cosine_share"),
+        ("sampling", "pdf", "frac_pi * sampling__cosine_share", "frac_pi * sampling__safe_share * 0.5"),
         ("sampling", "sample", "rest -= share", "rest += share"),
         ("sampling", "pdf", "wi.z / (lobe.n", "wi.z * (lobe.n"),
         ("sampling", "reflect_visible", "+ y * wo.y", "- y * wo.y"),

@@ -72,7 +72,8 @@ fn single_precision_stays_within_what_rounded_inputs_allow() {
         let mut results =
             vec![("Rust".to_owned(), rounded.iter().flat_map(|row| (twin.single)(row)).collect::<Vec<_>>())];
         for gpu in &gpus {
-            let outputs = map_twin(gpu, &twin, &rounded, &[]).expect("a kernel that runs");
+            let outputs =
+                map_twin(gpu, &twin, &rounded, &brdf::gpu::StackBuffers::default()).expect("a kernel that runs");
             results.push((gpu.info().to_string(), outputs.values));
         }
         let mut bounded = 0;

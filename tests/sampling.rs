@@ -15,8 +15,8 @@ struct Subject {
     stack: Stack<f64, 3>,
 }
 
-/// The built-in stacks and corners that they leave out, under every model that makes a difference.
-fn subjects() -> Vec<Subject> {
+/// The built-in stacks and corners that they leave out, under every one of the models that makes a difference.
+fn subjects(models: &[Model]) -> Vec<Subject> {
     let facets = |n, alpha| Layer::new(Interface::dielectric(n, alpha));
     let metal = |alpha| Layer::new(Interface::conductor([0.213, 1.04, 1.17], [4.05, 2.59, 2.36], alpha));
     let base = |sigma| Layer::new(Interface::diffuse([0.9, 0.5, 0.1], sigma));
@@ -45,7 +45,7 @@ fn subjects() -> Vec<Subject> {
     let mut all = Vec::new();
     for (name, stack) in built_in.chain(corners) {
         if stack.layers().len() > 1 {
-            for model in Model::CLOSED_FORM.into_iter().filter(|model| *model != Model::Conserving) {
+            for model in models.iter().copied().filter(|model| *model != Model::Conserving) {
                 let name = format!("{name} [{}]", model.name());
                 all.push(Subject { name, stack: stack.clone().with_model(model) });
             }
@@ -80,7 +80,16 @@ impl Random {
 
 /// Runs `work` for every subject and angle on all processors; the results keep their order.
 fn for_all<T: Send>(thetas: &[f64], work: impl Fn(&Subject, f64, u64) -> T + Sync) -> Vec<T> {
-    let subjects = subjects();
+    for_all_under(&Model::CLOSED_FORM, thetas, work)
+}
+
+/// [`for_all`] with `coupled` as well, for what draws without evaluating: no tables are built.
+fn for_every_model<T: Send>(thetas: &[f64], work: impl Fn(&Subject, f64, u64) -> T + Sync) -> Vec<T> {
+    for_all_under(&Model::ALL, thetas, work)
+}
+
+fn for_all_under<T: Send>(models: &[Model], thetas: &[f64], work: impl Fn(&Subject, f64, u64) -> T + Sync) -> Vec<T> {
+    let subjects = subjects(models);
     let jobs: Vec<(&Subject, f64)> =
         subjects.iter().flat_map(|subject| thetas.iter().map(move |theta| (subject, *theta))).collect();
     let next = AtomicUsize::new(0);
@@ -321,7 +330,7 @@ fn direction(sample: Option<Sample<f64>>) -> Option<Vector<f64>> {
 
 #[test]
 fn samples_follow_their_density() {
-    let outcomes = for_all(&THETAS, |subject, theta, seed| {
+    let outcomes = for_every_model(&THETAS, |subject, theta, seed| {
         let (stack, wo) = (&subject.stack, view(theta));
         let outcome = chi_square(wo, &|u| direction(stack.sample(wo, u)), &|wi| stack.pdf(wi, wo), seed);
         (format!("{} at {theta}°", subject.name), outcome)
@@ -380,7 +389,7 @@ fn wrong_densities_are_seen() {
 
 #[test]
 fn the_returned_density_is_pdf() {
-    for_all(&[0.0, 45.0, 89.0], |subject, theta, seed| {
+    for_every_model(&[0.0, 45.0, 89.0], |subject, theta, seed| {
         let (wo, mut random) = (view(theta), Random::new(seed));
         let single = subject.stack.cast::<f32>();
         for _ in 0..200 {
@@ -424,7 +433,7 @@ fn corners_are_finite() {
             }
         }
     }
-    for_all(&[0.0], |subject, _, _| {
+    for_every_model(&[0.0], |subject, _, _| {
         run(&subject.stack, &subject.name);
         run(&subject.stack.cast::<f32>(), &subject.name);
     });

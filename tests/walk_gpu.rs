@@ -60,7 +60,7 @@ fn mean_on(
     let row = |index| [&[0, stack.layers().len() as u32, channel], &directions[..], &[77, index]].concat();
     let rows: Vec<u32> = (0..SAMPLES).flat_map(row).collect();
     let values =
-        kernel.run(&rows, Some(&layer_bytes(stack.layers()))).unwrap_or_else(|error| panic!("{}: {error}", gpu.info()));
+        kernel.run(&rows, &[&layer_bytes(stack.layers())]).unwrap_or_else(|error| panic!("{}: {error}", gpu.info()));
     let values: Vec<f64> = values.into_iter().map(|word| f64::from(f32::from_bits(word))).collect();
     assert!(values.iter().all(|f| f.is_finite() && *f >= 0.0), "{}", gpu.info());
     let n = f64::from(SAMPLES);

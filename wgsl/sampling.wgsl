@@ -4,7 +4,7 @@
 //
 //     fn stack_layer(index: u32) -> layered::Layer
 //
-// A stack is `count` layers from `first` on, listed from the top. `model` is one of the three constants.
+// A stack is `count` layers from `first` on, listed from the top. `model` is one of the four constants.
 
 import package::absorption::transmittance;
 import package::distribution::beckmann;
@@ -24,11 +24,15 @@ struct Sample {
 const conserving: u32 = 0u;
 const weidlich_wilkie: u32 = 1u;
 const elek: u32 = 2u;
+const coupled: u32 = 3u;
 
 const frac_pi: f32 = 0.318309886183790672;
 
 // The share of the mixture that follows the safe weights.
 const _safe_share: f32 = 0.25;
+
+// The share of coupled's samples that is drawn from the cosine: its closure reflects into every direction.
+const _cosine_share: f32 = 0.25;
 
 // The largest f32 below 1.
 const _below_one: f32 = 0x1.fffffep-1;
@@ -64,9 +68,10 @@ fn sample(first: u32, count: u32, model: u32, wo: vec3f, u: vec3f) -> Sample {
         return Sample(vec3f(0.0, 0.0, 0.0), 0.0);
     }
     let total = _total(first, count, model, wo);
-    var rest = _inside(u.x);
-    var wi = vec3f(0.0, 0.0, 0.0);
-    var pending = true;
+    let even = model == coupled && u.x < _cosine_share;
+    var rest = _inside(select(u.x, (u.x - _cosine_share) / (1.0 - _cosine_share), model == coupled));
+    var wi = select(vec3f(0.0, 0.0, 0.0), cosine_hemisphere(u.yz), even);
+    var pending = !even;
     let passes = _passes_through(first, count);
     for (var channel = 0u; channel < passes && pending; channel++) {
         var lobe = _start(wo);
@@ -108,10 +113,11 @@ fn pdf(first: u32, count: u32, model: u32, wi: vec3f, wo: vec3f) -> f32 {
             density = _plus(density, lobe.weights, _density(lobe, wi));
         }
     }
-    return _share(total, density);
+    let lobes = _share(total, density);
+    return select(lobes, wi.z * frac_pi * _cosine_share + lobes * (1.0 - _cosine_share), model == coupled);
 }
 
-// What f·cos/pdf is bounded by, up to the factor WEIGHT_BOUND = 11.
+// What f·cos/pdf is bounded by, up to the factor WEIGHT_BOUND = 11; under coupled no bound is derived.
 fn ceiling(first: u32, count: u32, model: u32, wo: vec3f) -> f32 {
     if wo.z <= 0.0 {
         return 0.0;
@@ -199,7 +205,7 @@ fn _start(wo: vec3f) -> _Lobe {
 // The lobe of the interface at a position, from the one above it. All channels in one pass, or the named one of three passes.
 fn _descend(above: _Lobe, first: u32, position: u32, channel: u32, passes: u32, model: u32, wo: vec3f) -> _Lobe {
     let about_facets = model == weidlich_wilkie;
-    let printed = model != conserving;
+    let printed = about_facets || model == elek;
     var lobe = above;
     if position > 0u {
         if above.layer.kind == layered::diffuse_base {

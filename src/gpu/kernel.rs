@@ -17,16 +17,16 @@ pub struct Kernel {
     signature: Signature,
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::ComputePipeline,
-    /// The module reads the storage buffer of binding 3.
-    storage: bool,
+    /// The bindings of the storage buffers that the module reads, in ascending order.
+    storage: Vec<u32>,
     rows_per_dispatch: usize,
 }
 
 impl Kernel {
     /// Compiles a function of a WGSL module.
     ///
-    /// `bindings` is WGSL that completes the module, where it calls functions that it leaves to its embedder. A read-only
-    /// storage buffer declared there (or in the source) as `@group(0) @binding(3)` is filled by [`Kernel::run`]:
+    /// `bindings` is WGSL that completes the module, where it calls functions that it leaves to its embedder. Read-only
+    /// storage buffers declared there (or in the source) in group 0, at binding 3 and above, are filled by [`Kernel::run`]:
     ///
     /// ```wgsl
     /// @group(0) @binding(3) var<storage, read> stack_layers: array<layered_Layer>;
@@ -44,10 +44,11 @@ impl Kernel {
             let lack = if signature.result.is_none() { "returns nothing" } else { "takes no arguments" };
             return Err(ShaderError::plain(format!("`{function}` {lack}: it cannot be mapped over rows")).into());
         }
-        let storage = module.has_binding(0, STORAGE_BINDING);
+        let mut storage = module.bindings(0);
+        storage.retain(|binding| *binding >= STORAGE_BINDING);
         let text = map_kernel(source, &signature, bindings, WORKGROUP);
         let (layout, pipeline) = gpu.attempt(|| {
-            let compiled = compile(gpu.device(), function, text, storage);
+            let compiled = compile(gpu.device(), function, text, &storage);
             // wgpu keeps silent where it compiles for a device that is lost.
             if gpu.alive() { Ok(compiled) } else { Err(gpu.lost("it compiles nothing any more")) }
         })?;
@@ -77,12 +78,13 @@ impl Kernel {
     /// The results of the function for every row of arguments, in the same order.
     ///
     /// Rows are as [`Signature::inputs`] and [`Signature::outputs`] list them, one after the other; no rows give no
-    /// results. `storage` is the content of the module's storage buffer, in WGSL's memory layout, where it has one.
+    /// results. `storage` is the content of each of the module's storage buffers, in WGSL's memory layout, by ascending
+    /// binding.
     ///
     /// # Errors
-    /// [`GpuError::Arguments`] where `inputs` are not whole rows, or `storage` is missing, superfluous, empty, not whole
-    /// words or too large; [`GpuError::Rejected`], [`GpuError::OutOfMemory`], [`GpuError::Lost`] from the device.
-    pub fn run(&self, inputs: &[u32], storage: Option<&[u8]>) -> Result<Vec<u32>, GpuError> {
+    /// [`GpuError::Arguments`] where `inputs` are not whole rows, or a storage buffer is missing, superfluous, empty, not
+    /// whole words or too large; [`GpuError::Rejected`], [`GpuError::OutOfMemory`], [`GpuError::Lost`] from the device.
+    pub fn run(&self, inputs: &[u32], storage: &[&[u8]]) -> Result<Vec<u32>, GpuError> {
         let (input_words, output_words) = (self.signature.input_words(), self.signature.output_words());
         if !inputs.len().is_multiple_of(input_words) {
             let names: Vec<_> = self.signature.inputs().into_iter().map(|leaf| leaf.name).collect();
@@ -110,7 +112,7 @@ impl Kernel {
     ///
     /// # Errors
     /// Those of [`Kernel::run`], and [`GpuError::Arguments`] where an argument or result is not of f32.
-    pub fn run_f32(&self, inputs: &[f32], storage: Option<&[u8]>) -> Result<Vec<f32>, GpuError> {
+    pub fn run_f32(&self, inputs: &[f32], storage: &[&[u8]]) -> Result<Vec<f32>, GpuError> {
         let leaves = [self.signature.inputs(), self.signature.outputs()].concat();
         if let Some(leaf) = leaves.iter().find(|leaf| leaf.scalar != Scalar::F32) {
             return Err(self.misfit(format!("`{}` is {}, not f32: pass words", leaf.name, leaf.scalar)));
@@ -123,23 +125,28 @@ impl Kernel {
         GpuError::Arguments { function: self.signature.name.clone(), reason }
     }
 
-    fn check_storage(&self, storage: Option<&[u8]>) -> Result<(), GpuError> {
+    fn check_storage(&self, storage: &[&[u8]]) -> Result<(), GpuError> {
         let most = self.gpu.device().limits().max_storage_buffer_binding_size;
-        match (storage, self.storage) {
-            (None, false) => Ok(()),
-            (None, true) => Err(self.misfit("the module reads a storage buffer (binding 3): none given".to_owned())),
-            (Some(_), false) => Err(self.misfit("the module declares no storage buffer at binding 3".to_owned())),
-            (Some(bytes), true) if bytes.is_empty() || !bytes.len().is_multiple_of(4) => {
-                Err(self.misfit(format!("a storage buffer of {} bytes: whole 32-bit words are needed", bytes.len())))
-            }
-            (Some(bytes), true) if bytes.len() as u64 > most => {
-                Err(self.misfit(format!("a storage buffer of {} bytes: the device takes {most}", bytes.len())))
-            }
-            (Some(_), true) => Ok(()),
+        if let Some(missing) = self.storage.get(storage.len()) {
+            return Err(self.misfit(format!("the module reads a storage buffer (binding {missing}): none given")));
         }
+        if storage.len() > self.storage.len() {
+            let next = self.storage.last().map_or(STORAGE_BINDING, |binding| binding + 1);
+            return Err(self.misfit(format!("the module declares no storage buffer at binding {next}")));
+        }
+        for bytes in storage {
+            let size = bytes.len();
+            if size == 0 || !size.is_multiple_of(4) {
+                return Err(self.misfit(format!("a storage buffer of {size} bytes: whole 32-bit words are needed")));
+            }
+            if size as u64 > most {
+                return Err(self.misfit(format!("a storage buffer of {size} bytes: the device takes {most}")));
+            }
+        }
+        Ok(())
     }
 
-    fn buffers(&self, rows: usize, storage: Option<&[u8]>) -> Buffers {
+    fn buffers(&self, rows: usize, storage: &[&[u8]]) -> Buffers {
         use wgpu::BufferUsages as Usage;
         let device = self.gpu.device();
         let buffer = |label, bytes: usize, usage| {
@@ -150,16 +157,14 @@ impl Kernel {
         let output = buffer("results", 4 * rows * self.signature.output_words(), Usage::STORAGE | Usage::COPY_SRC);
         let back = buffer("results to read", output.size() as usize, Usage::MAP_READ | Usage::COPY_DST);
         let shape = buffer("shape", 16, Usage::UNIFORM | Usage::COPY_DST);
-        let own = storage.map(|bytes| {
+        let fill = |bytes: &&[u8]| {
             let own = buffer("storage", bytes.len(), Usage::STORAGE | Usage::COPY_DST);
             self.gpu.queue().write_buffer(&own, 0, bytes);
             own
-        });
-        let bound = [Some(&input), Some(&output), Some(&shape), own.as_ref()];
+        };
+        let own: Vec<_> = storage.iter().map(fill).collect();
+        let bound = [&input, &output, &shape].into_iter().zip(0..).chain(own.iter().zip(self.storage.iter().copied()));
         let entries: Vec<_> = bound
-            .into_iter()
-            .flatten()
-            .zip(0..)
             .map(|(buffer, binding)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
             .collect();
         let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -220,15 +225,13 @@ fn compile(
     device: &wgpu::Device,
     label: &str,
     text: String,
-    storage: bool,
+    storage: &[u32],
 ) -> (wgpu::BindGroupLayout, wgpu::ComputePipeline) {
     use wgpu::BufferBindingType::{Storage, Uniform};
-    let types = [Storage { read_only: true }, Storage { read_only: false }, Uniform, Storage { read_only: true }];
-    let count = if storage { 4 } else { 3 };
-    let entries: Vec<_> = types[..count]
-        .iter()
-        .zip(0..)
-        .map(|(&ty, binding)| wgpu::BindGroupLayoutEntry {
+    let own = [Storage { read_only: true }, Storage { read_only: false }, Uniform].into_iter().zip(0..);
+    let entries: Vec<_> = own
+        .chain(storage.iter().map(|binding| (Storage { read_only: true }, *binding)))
+        .map(|(ty, binding)| wgpu::BindGroupLayoutEntry {
             binding,
             visibility: wgpu::ShaderStages::COMPUTE,
             ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },

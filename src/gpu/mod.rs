@@ -9,7 +9,7 @@
 //!
 //! let gpu = Gpu::open(None)?;
 //! let kernel = Kernel::new(&gpu, "fn scale(x: f32, by: f32) -> f32 { return x * by; }", "scale", None)?;
-//! let results = kernel.run(&rows(&[&[1.0, 2.0, 3.0], &[0.5, 0.5, 0.5]])?, None)?;
+//! let results = kernel.run(&rows(&[&[1.0, 2.0, 3.0], &[0.5, 0.5, 0.5]])?, &[])?;
 //! assert_eq!(columns(&results, 1), [[0.5, 1.0, 1.5]]);
 //! # Ok::<(), brdf::gpu::GpuError>(())
 //! ```
@@ -30,7 +30,7 @@ mod rows;
 pub use adapter::{AdapterInfo, adapters};
 pub use error::GpuError;
 pub use kernel::Kernel;
-pub use layers::{STACK_BINDINGS, layer_bytes};
+pub use layers::{STACK_BINDINGS, StackBuffers, StackPlace, TABLE_BINDINGS, layer_bytes};
 pub use policy::{Policy, policy};
 pub use rows::{columns, rows};
 pub use wgpu;

@@ -9,7 +9,7 @@
 //!   it and the term the rest; where the model reflects too much, the factor is below 1.
 //!
 //! Both corrections are products of a function of each direction: the model is reciprocal to rounding and nowhere negative.
-//! There is no twin in WGSL.
+//! Twin: `coupled` in `wgsl/layered.wgsl`, which reads the tables as [`Coupled::buffer_rows`] lays them out.
 
 use super::model::{disperses, interface_fresnel};
 use super::tables::Tables;
@@ -120,7 +120,7 @@ impl<R: Real, const C: usize> Coupled<R, C> {
         self.tables().internal
     }
 
-    fn tables(&self) -> &Tables<C> {
+    pub(super) fn tables(&self) -> &Tables<C> {
         self.stack.tables().get(self.stack.layers(), self.stack.effective_layers())
     }
 }
@@ -142,14 +142,12 @@ pub(super) fn evaluate<R: Real, const C: usize>(
     if !(wi.z.gt(R::ZERO) & wo.z.gt(R::ZERO)).any() {
         return f;
     }
-    let (cos_i, cos_o) = (wi.z.to_f64(), wo.z.to_f64());
     if let Some(closure) = &tables.closure {
-        let (scale_i, scale_o) = (closure.scale.at(cos_i), closure.scale.at(cos_o));
-        let (missing_i, missing_o) = (closure.missing.at(cos_i), closure.missing.at(cos_o));
+        let (scale_i, scale_o) = (closure.scale.at(wi.z), closure.scale.at(wo.z));
+        let (missing_i, missing_o) = (closure.missing.at(wi.z), closure.missing.at(wo.z));
         for c in 0..C {
-            let scale = R::from_f64(scale_i[c] * scale_o[c]);
-            let missing = R::from_f64(missing_i[c] * missing_o[c] * closure.inverse[c]);
-            f[c] = f[c] + lower[c] * scale + missing;
+            let missing = missing_i[c] * missing_o[c] * R::from_f64(closure.inverse[c]);
+            f[c] = f[c] + lower[c] * (scale_i[c] * scale_o[c]) + missing;
         }
     } else {
         for (f, lower) in f.iter_mut().zip(lower) {
@@ -197,7 +195,7 @@ fn recurse<R: Real, const C: usize, const K: usize>(
     wo: Vector<R>,
 ) -> ([R; K], [R; K]) {
     let (mut top, mut lower) = ([R::ZERO; K], [R::ZERO; K]);
-    let (outer_i, outer_o) = (wi.z.to_f64(), wo.z.to_f64());
+    let (outer_i, outer_o) = (wi.z, wo.z);
     let mut weight = [R::ONE; K];
     let mut above: Option<Mirror<R, K>> = None;
     let (mut wi, mut wo, mut n_above) = (wi, wo, R::ONE);
@@ -209,7 +207,7 @@ fn recurse<R: Real, const C: usize, const K: usize>(
                 let flat = *sigma == R::ZERO;
                 let lit = wi.z.gt(R::ZERO) & wo.z.gt(R::ZERO);
                 let base = diffuse::oren_nayar(wi, wo, *sigma);
-                let curve = tables.transmitted.as_ref().filter(|_| outer_i > 0.0 && outer_o > 0.0);
+                let curve = tables.transmitted.as_ref().filter(|_| (outer_i.gt(R::ZERO) & outer_o.gt(R::ZERO)).any());
                 let through = curve.map(|curve| (curve.at(outer_i), curve.at(outer_o)));
                 let compression = R::ONE / (n_above * n_above);
                 for c in 0..K {
@@ -218,10 +216,9 @@ fn recurse<R: Real, const C: usize, const K: usize>(
                     } else {
                         base.f(albedo[first + c])
                     };
-                    let (r, rho) = (tables.internal[first + c], tables.base[first + c]);
-                    let again = R::select(lit, R::from_f64(rho * rho * r / (1.0 - rho * r)) * R::FRAC_1_PI, R::ZERO);
+                    let again = R::select(lit, R::from_f64(tables.series(first + c)) * R::FRAC_1_PI, R::ZERO);
                     let weight = match &through {
-                        Some((i, o)) => R::from_f64(i[first + c] * o[first + c]) * compression,
+                        Some((i, o)) => i[first + c] * o[first + c] * compression,
                         None => weight[c],
                     };
                     let sum = if entered { &mut lower[c] } else { &mut top[c] };
@@ -261,7 +258,7 @@ fn recurse<R: Real, const C: usize, const K: usize>(
         if last || least.le(R::ZERO).all() {
             return (top, lower);
         }
-        let passed = matched(n[first].to_f64(), n_above.to_f64()) && indices.iter().all(|(_, k)| *k == R::ZERO);
+        let passed = matched(n[first].to_f64(), n_above.to_f64()) && k.iter().all(|k| *k == R::ZERO);
         if passed && let Some((.., absorbed)) = &mut above {
             // The mirror is still the interface above this one.
             *absorbed = core::array::from_fn(|c| absorbed[c] * depths[c]);

@@ -52,11 +52,14 @@ impl<const C: usize> Curve<C> {
 
     /// The value of each channel at a cosine in [0, 1].
     #[inline]
-    pub(super) fn at(&self, cos: f64) -> [f64; C] {
-        let t = cos.clamp(0.0, 1.0).sqrt() * (NODES - 1) as f64;
-        let i = (t as usize).min(NODES - 2);
-        let u = t - i as f64;
-        core::array::from_fn(|c| self.0[i][c] * (1.0 - u) + self.0[i + 1][c] * u)
+    pub(super) fn at<R: Real>(&self, cos: R) -> [R; C] {
+        (cos.saturate().sqrt() * R::from_f64((NODES - 1) as f64)).interpolate(&self.0)
+    }
+
+    /// The values at the nodes, from grazing to normal incidence.
+    #[cfg(feature = "bytemuck")]
+    pub(super) fn nodes(&self) -> &[[f64; C]] {
+        &self.0
     }
 
     /// 2∫ value·μ dμ, exactly: with x = √μ it is 4∫ value·x³ dx.
@@ -211,6 +214,13 @@ impl<const C: usize> Tables<C> {
         });
         let inverse = missing.mean().map(|mean| if mean > 1e-9 { FRAC_1_PI / mean } else { 0.0 });
         self.closure = Some(Closure { scale, missing, inverse });
+    }
+
+    /// What the bounces between the base and its coat add to once its albedo: ρ²r_i/(1 − ρ·r_i), as an albedo.
+    #[inline]
+    pub(super) fn series(&self, channel: usize) -> f64 {
+        let (r, rho) = (self.internal[channel], self.base[channel]);
+        rho * rho * r / (1.0 - rho * r)
     }
 
     /// What the tables hold, on the heap and off it.

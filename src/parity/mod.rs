@@ -8,12 +8,12 @@ mod draw;
 mod table;
 
 pub use draw::Draw;
-pub use table::{Judge, Twin, layers, twins};
+pub use table::{Judge, Twin, twins};
 
 use crate::frame::Vector;
-use crate::gpu::{Gpu, GpuError, Kernel, STACK_BINDINGS, layer_bytes};
+use crate::gpu::{Gpu, GpuError, Kernel, StackBuffers};
 use crate::interval::WgslInterval;
-use crate::layered::{Layer, Model, Stack};
+use crate::layered::{Model, Stack};
 use crate::real::Real;
 use crate::shader::{Leaf, Scalar};
 use crate::wgsl;
@@ -86,7 +86,7 @@ pub fn compare_source(gpu: &Gpu, twin: &Twin, source: &str, samples: usize) -> R
     let rows: Vec<Vec<f32>> = (0..samples as u64)
         .map(|index| (twin.sample)(&mut Draw::new(index)).into_iter().map(|value| value as f32).collect())
         .collect();
-    let outputs = map_source(gpu, twin, source, &rows, layers())?;
+    let outputs = map_source(gpu, twin, source, &rows, table::buffers(source))?;
     Ok(judge(twin, &twin.double, &twin.allowed, &rows, &outputs))
 }
 
@@ -96,31 +96,47 @@ pub fn compare_source(gpu: &Gpu, twin: &Twin, source: &str, samples: usize) -> R
 ///
 /// Whatever stops the kernel from being built or run; a model without a twin.
 pub fn compare_stack(gpu: &Gpu, stack: &Stack<f32, 3>, samples: usize) -> Result<Comparison, GpuError> {
-    let twin = stack_twin(stack.model())?;
-    let count = stack.layers().len();
+    let twin = stack_twin(stack.model()).ok_or_else(|| {
+        let function = stack.model().name().to_owned();
+        GpuError::Arguments { function, reason: "the model has no twin in WGSL".to_owned() }
+    })?;
+    let mut stacks = StackBuffers::default();
+    let place = stack_arguments(stack, &mut stacks);
+    let start = place.len();
     let narrowest = table::narrowest(stack.effective_layers());
     let rows: Vec<Vec<f32>> = (0..samples as u64)
         .map(|index| {
             let [wi, wo] = Draw::new(index).pair(narrowest).map(Vector::cast::<f32>);
-            vec![0.0, count as f32, wi.x, wi.y, wi.z, wo.x, wo.y, wo.z]
+            place.iter().copied().chain([wi.x, wi.y, wi.z, wo.x, wo.y, wo.z]).collect()
         })
         .collect();
-    let outputs = map_twin(gpu, &twin, &rows, stack.effective_layers())?;
-    fn direction<R: Real>(arguments: &[R], start: usize) -> Vector<R> {
-        Vector::new(arguments[start], arguments[start + 1], arguments[start + 2])
+    let outputs = map_twin(gpu, &twin, &rows, &stacks)?;
+    fn pair<R: Real>(arguments: &[R]) -> [Vector<R>; 2] {
+        [0, 3].map(|at| Vector::new(arguments[at], arguments[at + 1], arguments[at + 2]))
     }
     let (double, interval) = (stack.cast::<f64>(), stack.cast::<WgslInterval>());
-    let double = |a: &[f64]| double.evaluate(direction(a, 2), direction(a, 5)).to_vec();
-    let allowed = |a: &[WgslInterval]| interval.evaluate(direction(a, 2), direction(a, 5)).to_vec();
+    let double = |a: &[f64]| {
+        let [wi, wo] = pair(&a[start..]);
+        double.evaluate(wi, wo).to_vec()
+    };
+    let allowed = |a: &[WgslInterval]| {
+        let [wi, wo] = pair(&a[start..]);
+        interval.evaluate(wi, wo).to_vec()
+    };
     Ok(judge(&twin, &double, &allowed, &rows, &outputs))
 }
 
-/// The twin that evaluates stacks under a model: one of [`Model::CLOSED_FORM`].
-fn stack_twin(model: Model) -> Result<Twin, GpuError> {
-    twins().into_iter().find(|twin| twin.module == "layered" && twin.function == model.name()).ok_or_else(|| {
-        let reason = "the model reads tables, and has no twin in WGSL".to_owned();
-        GpuError::Arguments { function: model.name().to_owned(), reason }
-    })
+/// The twin that evaluates stacks under a model, where there is one.
+pub fn stack_twin(model: Model) -> Option<Twin> {
+    twins().into_iter().find(|twin| twin.module == "layered" && twin.function == model.name())
+}
+
+/// Appends a stack to what the twins read. Returns what the twin of its model takes before the two directions: the first
+/// layer, the number of layers and, under [`Model::Coupled`], the first row of the table.
+pub fn stack_arguments(stack: &Stack<f32, 3>, stacks: &mut StackBuffers) -> Vec<f32> {
+    let place = stacks.push(stack);
+    let table = (stack.model() == Model::Coupled).then_some(place.table);
+    [place.first, place.count].into_iter().chain(table).map(|index| index as f32).collect()
 }
 
 /// The results of a function on an adapter, and the names of its arguments and results.
@@ -134,13 +150,13 @@ pub struct Outputs {
     pub values: Vec<f32>,
 }
 
-/// Maps a twin over rows of flat arguments on an adapter. `layers` are what the twins of stacks read.
+/// Maps a twin over rows of flat arguments on an adapter. `stacks` are what the twins of stacks read.
 ///
 /// # Errors
 ///
 /// Whatever stops the kernel from being built or run, by name of the function.
-pub fn map_twin(gpu: &Gpu, twin: &Twin, rows: &[Vec<f32>], layers: &[Layer<f32, 3>]) -> Result<Outputs, GpuError> {
-    map_source(gpu, twin, &linked(twin)?, rows, layers)
+pub fn map_twin(gpu: &Gpu, twin: &Twin, rows: &[Vec<f32>], stacks: &StackBuffers) -> Result<Outputs, GpuError> {
+    map_source(gpu, twin, &linked(twin)?, rows, stacks)
 }
 
 /// The WGSL of a twin with all that it needs.
@@ -154,10 +170,10 @@ fn map_source(
     twin: &Twin,
     source: &str,
     rows: &[Vec<f32>],
-    layers: &[Layer<f32, 3>],
+    stacks: &StackBuffers,
 ) -> Result<Outputs, GpuError> {
-    let bindings = source.contains("stack_layer(").then_some(STACK_BINDINGS);
-    let kernel = Kernel::new(gpu, source, &wgsl::mangled(twin.module, twin.function), bindings)?;
+    let (bindings, storage) = stacks.complete(source);
+    let kernel = Kernel::new(gpu, source, &wgsl::mangled(twin.module, twin.function), Some(&bindings))?;
     let leaves = kernel.signature().inputs();
     let word = |(value, leaf): (&f32, &Leaf)| match leaf.scalar {
         Scalar::F32 => value.to_bits(),
@@ -165,8 +181,7 @@ fn map_source(
         Scalar::I32 => (*value as i32).cast_unsigned(),
     };
     let words: Vec<u32> = rows.iter().flat_map(|row| row.iter().zip(&leaves).map(word)).collect();
-    let storage = bindings.map(|_| layer_bytes(layers));
-    let values = kernel.run(&words, storage.as_deref())?.into_iter().map(f32::from_bits).collect();
+    let values = kernel.run(&words, &storage)?.into_iter().map(f32::from_bits).collect();
     let name = |leaf: Leaf| leaf.name;
     Ok(Outputs {
         inputs: leaves.into_iter().map(name).collect(),

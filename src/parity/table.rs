@@ -2,8 +2,9 @@
 
 use super::draw::Draw;
 use crate::frame::Vector;
+use crate::gpu::{StackBuffers, StackPlace};
 use crate::interval::WgslInterval;
-use crate::layered::{self, Interface, Layer, Model};
+use crate::layered::{self, Interface, Layer, Model, Stack};
 use crate::material::{patina, stack::built_in};
 use crate::real::Real;
 use crate::{absorption, diffuse, distribution, fresnel, masking, microfacet, phong, refraction, sampling, walk};
@@ -134,9 +135,8 @@ fn half_and_widths(d: &mut Draw) -> Vec<f64> {
 
 /// A stack's first layer and length, and a pair of directions on the scale of its narrowest lobe.
 fn stack_and_pair(d: &mut Draw) -> Vec<f64> {
-    let (first, count) = pick_stack(d);
-    let narrowest = narrowest(&layers()[first..first + count]);
-    flat![first as f64, count as f64, d.pair(narrowest)]
+    let (stack, place) = pick_stack(d);
+    flat![f64::from(place.first), f64::from(place.count), d.pair(narrowest(stack.layers()))]
 }
 
 /// The width of the narrowest lobe of a stack, 1 where it has none.
@@ -146,6 +146,14 @@ pub(super) fn narrowest(layers: &[Layer<f32, 3>]) -> f64 {
         Interface::Diffuse { .. } => 1.0,
     };
     layers.iter().map(width).fold(1.0, f64::min)
+}
+
+/// As [`stack_and_pair`], with the first row of the stack's table.
+fn stack_table_and_pair(d: &mut Draw) -> Vec<f64> {
+    let mut arguments = stack_and_pair(d);
+    let table = coupled_table().place(arguments[0]).map_or(0, |(_, place)| place.table);
+    arguments.insert(2, f64::from(table));
+    arguments
 }
 
 fn stack_channel_and_pair(d: &mut Draw) -> Vec<f64> {
@@ -158,7 +166,7 @@ fn stack_channel_and_pair(d: &mut Draw) -> Vec<f64> {
 /// As [`stack_and_pair`], under any of the models that sampling knows.
 fn stack_model_and_pair(d: &mut Draw) -> Vec<f64> {
     let mut arguments = stack_and_pair(d);
-    arguments.insert(2, (3.0 * d.unit()).floor());
+    arguments.insert(2, (4.0 * d.unit()).floor());
     arguments
 }
 
@@ -181,32 +189,59 @@ fn numbers(d: &mut Draw) -> [f64; 3] {
 
 /// The model that the constants of `wgsl/sampling.wgsl` name.
 fn model<R: Real>(argument: R) -> Model {
-    [Model::Conserving, Model::WeidlichWilkie, Model::Elek][argument.to_f64() as usize]
+    [Model::Conserving, Model::WeidlichWilkie, Model::Elek, Model::Coupled][argument.to_f64() as usize]
 }
 
-fn pick_stack(d: &mut Draw) -> (usize, usize) {
-    let all = stacks();
-    all[((d.unit() * all.len() as f64) as usize).min(all.len() - 1)]
+fn pick_stack(d: &mut Draw) -> &'static (Stack<f32, 3>, StackPlace) {
+    let all = &stack_table().stacks;
+    &all[((d.unit() * all.len() as f64) as usize).min(all.len() - 1)]
 }
 
-/// The layers that the twins of stacks read, and where each stack lies in them.
+/// The stacks that are compared, and where they lie in the buffers that twins read.
+#[derive(Default)]
 struct StackTable {
-    layers: Vec<Layer<f32, 3>>,
-    ranges: Vec<(usize, usize)>,
+    buffers: StackBuffers,
+    stacks: Vec<(Stack<f32, 3>, StackPlace)>,
+}
+
+impl StackTable {
+    fn new(model: Model) -> Self {
+        let mut table = StackTable::default();
+        let built_in = built_in().into_iter().map(|material| material.stack.cast::<f32>().with_model(model));
+        let corners = corner_stacks().into_iter().flat_map(|layers| Stack::new(model, layers));
+        for stack in built_in.chain(corners) {
+            let place = table.buffers.push(&stack);
+            table.stacks.push((stack, place));
+        }
+        table
+    }
+
+    /// The stack whose first layer has this index.
+    fn place(&self, first: f64) -> Option<&(Stack<f32, 3>, StackPlace)> {
+        self.stacks.iter().find(|(_, place)| f64::from(place.first) == first)
+    }
 }
 
 fn stack_table() -> &'static StackTable {
     static TABLE: OnceLock<StackTable> = OnceLock::new();
-    TABLE.get_or_init(|| {
-        let mut table = StackTable { layers: Vec::new(), ranges: Vec::new() };
-        let built_in = built_in();
-        let built_in = built_in.iter().map(|material| material.stack.cast::<f32>().layers().to_vec());
-        for stack in built_in.chain(corner_stacks()) {
-            table.ranges.push((table.layers.len(), stack.len()));
-            table.layers.extend(stack);
-        }
-        table
-    })
+    TABLE.get_or_init(|| StackTable::new(Model::Conserving))
+}
+
+/// The same stacks with their tables, whose walks take seconds.
+fn coupled_table() -> &'static StackTable {
+    static TABLE: OnceLock<StackTable> = OnceLock::new();
+    TABLE.get_or_init(|| StackTable::new(Model::Coupled))
+}
+
+/// What a linked twin reads of the stacks that are compared.
+pub(super) fn buffers(source: &str) -> &'static StackBuffers {
+    if source.contains("coupled_row(") { &coupled_table().buffers } else { &stack_table().buffers }
+}
+
+/// The value of the coupled model; 0 where no stack begins at `first`.
+fn coupled<R: Real>(first: R, wi: Vector<R>, wo: Vector<R>) -> [R; 3] {
+    let found = coupled_table().place(first.to_f64());
+    found.map_or([R::ZERO; 3], |(stack, _)| stack.cast::<R>().evaluate(wi, wo))
 }
 
 /// Stacks that the built-in ones leave out: matched indices, total reflection, smooth over rough, five layers.
@@ -222,19 +257,10 @@ fn corner_stacks() -> [Vec<Layer<f32, 3>>; 5] {
     ]
 }
 
-/// Every layer of the stacks that are compared, for the storage buffer.
-pub fn layers() -> &'static [Layer<f32, 3>] {
-    &stack_table().layers
-}
-
-fn stacks() -> &'static [(usize, usize)] {
-    &stack_table().ranges
-}
-
 /// The layers of a stack over another number type.
-fn stack_of<R: Real>(first: R, count: R) -> Vec<Layer<R, 3>> {
-    let (first, count) = (first.to_f64() as usize, count.to_f64() as usize);
-    layers()[first..first + count].iter().map(Layer::cast).collect()
+fn stack_of<R: Real>(first: R) -> Vec<Layer<R, 3>> {
+    let found = stack_table().place(first.to_f64());
+    found.map_or(Vec::new(), |(stack, _)| stack.layers().iter().map(Layer::cast).collect())
 }
 
 /// The channel that an argument names.
@@ -256,7 +282,7 @@ fn refraction_pair(d: &mut Draw) -> Vec<f64> {
 fn walk_twin() -> Twin {
     fn evaluate<R: Real<Mask = bool>>(a: &[R]) -> Vec<R> {
         let word = |x: R| x.to_f64() as u32;
-        let layers = stack_of(a[0], a[1]);
+        let layers = stack_of(a[0]);
         vec![walk::sample(&layers, word(a[2]) as usize, at(a, 3), at(a, 6), word(a[9]), word(a[10]))]
     }
     Twin {
@@ -380,25 +406,26 @@ pub fn twins() -> Vec<Twin> {
 
         twin!(layered::internal_reflection / 2, |d| flat![d.fraction(), d.fraction()],
             |a| [layered::internal_reflection(a[0], a[1])]),
-        twin!(layered::elek / 4, stack_and_pair, |a| layered::elek(&stack_of(a[0], a[1]), at(a, 2), at(a, 5))),
+        twin!(layered::elek / 4, stack_and_pair, |a| layered::elek(&stack_of(a[0]), at(a, 2), at(a, 5))),
         twin!(layered::elek_channel / 5, stack_channel_and_pair,
-            |a| channel(layered::elek(&stack_of(a[0], a[1]), at(a, 3), at(a, 6)), a[2])),
+            |a| channel(layered::elek(&stack_of(a[0]), at(a, 3), at(a, 6)), a[2])),
         twin!(layered::weidlich_wilkie / 4, stack_and_pair,
-            |a| layered::weidlich_wilkie(&stack_of(a[0], a[1]), at(a, 2), at(a, 5))),
+            |a| layered::weidlich_wilkie(&stack_of(a[0]), at(a, 2), at(a, 5))),
         twin!(layered::weidlich_wilkie_channel / 5, stack_channel_and_pair,
-            |a| channel(layered::weidlich_wilkie(&stack_of(a[0], a[1]), at(a, 3), at(a, 6)), a[2])),
-        twin!(layered::conserving / 4, stack_and_pair, |a| layered::conserving(&stack_of(a[0], a[1]), at(a, 2), at(a, 5))),
+            |a| channel(layered::weidlich_wilkie(&stack_of(a[0]), at(a, 3), at(a, 6)), a[2])),
+        twin!(layered::conserving / 4, stack_and_pair, |a| layered::conserving(&stack_of(a[0]), at(a, 2), at(a, 5))),
         twin!(layered::conserving_channel / 5, stack_channel_and_pair,
-            |a| channel(layered::conserving(&stack_of(a[0], a[1]), at(a, 3), at(a, 6)), a[2])),
+            |a| channel(layered::conserving(&stack_of(a[0]), at(a, 3), at(a, 6)), a[2])),
+        twin!(layered::coupled / 5, stack_table_and_pair, |a| coupled(a[0], at(a, 3), at(a, 6))),
 
         twin!(sampling::sample / 5, stack_view_and_numbers, |a| {
-            let drawn = sampling::draw(&stack_of(a[0], a[1]), model(a[2]), at(a, 3), [a[6], a[7], a[8]]);
+            let drawn = sampling::draw(&stack_of(a[0]), model(a[2]), at(a, 3), [a[6], a[7], a[8]]);
             [drawn.wi.x, drawn.wi.y, drawn.wi.z, drawn.pdf]
         }),
         twin!(sampling::pdf / 5, stack_model_and_pair,
-            |a| [sampling::pdf(&stack_of(a[0], a[1]), model(a[2]), at(a, 3), at(a, 6))]),
+            |a| [sampling::pdf(&stack_of(a[0]), model(a[2]), at(a, 3), at(a, 6))]),
         twin!(sampling::ceiling / 4, stack_model_and_view,
-            |a| [sampling::ceiling(&stack_of(a[0], a[1]), model(a[2]), at(a, 3))]),
+            |a| [sampling::ceiling(&stack_of(a[0]), model(a[2]), at(a, 3))]),
         twin!(sampling::reflect_visible / 3, |d| flat![d.direction(), d.width(), numbers(d)],
             |a| coordinates(sampling::reflect_visible(at(a, 0), a[3], [a[4], a[5], a[6]]))),
         twin!(sampling::reflect_visible_pdf / 3, |d| { let width = d.width(); flat![d.pair(width), width] },

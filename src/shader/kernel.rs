@@ -5,14 +5,14 @@
 //! | 0 | `storage, read`: the arguments, [`Signature::input_words`] words a row |
 //! | 1 | `storage, read_write`: the results, [`Signature::output_words`] words a row |
 //! | 2 | `uniform vec4<u32>`: the number of rows; the number of invocations along x, the workgroup size included |
-//! | 3 | whatever the caller's `bindings` declare there, a read-only storage buffer |
+//! | 3… | whatever the caller's `bindings` declare there: read-only storage buffers |
 //!
 //! Rows run along x first and continue along y, so that more than 65535 workgroups fit in one dispatch.
 
 use super::signature::{Scalar, Signature, Type};
 use core::fmt::Write;
 
-/// The binding in group 0 that is left to the module: the read-only storage buffer of [`map_kernel`]'s `bindings`.
+/// The first binding in group 0 that is left to the module: the read-only storage buffers of [`map_kernel`]'s `bindings`.
 pub const STORAGE_BINDING: u32 = 3;
 
 /// A WGSL module: the source, then `bindings`, then the entry point `brdf_map`, which maps a function over rows of words.

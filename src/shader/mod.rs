@@ -71,10 +71,13 @@ impl Module {
         }
     }
 
-    /// True where the module declares a global variable at this group and binding.
-    pub fn has_binding(&self, group: u32, binding: u32) -> bool {
-        let wanted = naga::ResourceBinding { group, binding };
-        self.ir.global_variables.iter().any(|(_, variable)| variable.binding == Some(wanted))
+    /// The bindings of a group at which the module declares global variables, in ascending order.
+    pub fn bindings(&self, group: u32) -> Vec<u32> {
+        let bound = self.ir.global_variables.iter().filter_map(|(_, variable)| variable.binding);
+        let mut found: Vec<_> = bound.filter(|bound| bound.group == group).map(|bound| bound.binding).collect();
+        found.sort_unstable();
+        found.dedup();
+        found
     }
 
     /// The module in naga's intermediate representation.
@@ -181,7 +184,7 @@ mod tests {
     #[test]
     fn bindings_are_found() {
         let module = Module::parse("@group(0) @binding(3) var<storage, read> layers: array<f32>;").unwrap();
-        assert!(module.has_binding(0, 3));
-        assert!(!module.has_binding(0, 2));
+        assert_eq!(module.bindings(0), [3]);
+        assert_eq!(module.bindings(1), []);
     }
 }

@@ -5,7 +5,7 @@ use crate::material::{self, AnyStack, Change, Material};
 use brdf::check::{self, Check, Finding, Fixed, Place, Report, StackSubject, Subject, Verdict};
 use brdf::gpu::Gpu;
 use brdf::layered::{Model, Widths};
-use brdf::parity::{Comparison, compare_stack};
+use brdf::parity::{Comparison, compare_stack, stack_twin};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
@@ -79,8 +79,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
             AnyStack::One(stack) => judge(&StackSubject::new(&material.name, stack.clone()), options, &progress),
             AnyStack::Three(stack) => judge(&StackSubject::new(&material.name, stack.clone()), options, &progress),
         };
-        // A model that reads tables has no twin.
-        let has_twin = Model::CLOSED_FORM.contains(&material.stack.model());
+        let has_twin = stack_twin(material.stack.model()).is_some();
         if let Some(gpu) = gpu.as_ref().filter(|_| has_twin) {
             let comparison = compare_stack(gpu, &material.stack.three_single(), TWIN_SAMPLES)?;
             report.findings.push(twin_finding(&comparison, gpu));
@@ -138,9 +137,13 @@ fn judge(subject: &dyn Subject, options: &Options, progress: &ProgressBar) -> Re
 /// A comparison of twins as a finding.
 fn twin_finding(comparison: &Comparison, gpu: &Gpu) -> Finding {
     let worst = comparison.worst.as_ref();
-    let input = |start: usize| {
-        let component = |i: usize| worst.and_then(|worst| worst.inputs.get(start + i)).map_or(0.0, |(_, value)| *value);
-        brdf::Vector::new(component(0), component(1), component(2))
+    let input = |direction: &str| {
+        let inputs = worst.map_or(&[][..], |worst| &worst.inputs);
+        let [x, y, z] = ["x", "y", "z"].map(|axis| {
+            let found = inputs.iter().find(|(name, _)| *name == format!("{direction}.{axis}"));
+            found.map_or(0.0, |(_, value)| *value)
+        });
+        brdf::Vector::new(x, y, z)
     };
     let note = match worst {
         Some(worst) if !comparison.agrees() => format!(
@@ -161,7 +164,7 @@ fn twin_finding(comparison: &Comparison, gpu: &Gpu) -> Finding {
         value: comparison.share,
         error: 0.0,
         limit: 1.0,
-        place: if comparison.agrees() { Place::Everywhere } else { Place::Pair { wi: input(2), wo: input(5) } },
+        place: if comparison.agrees() { Place::Everywhere } else { Place::Pair { wi: input("wi"), wo: input("wo") } },
         channel: None,
         note,
     }

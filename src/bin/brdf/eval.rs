@@ -7,10 +7,10 @@ use crate::failure::Failure;
 use crate::material::{self, AnyStack, Change};
 use crate::term::{self, Field, Kind, Results, Term, read_fields};
 use brdf::Vector;
-use brdf::gpu::Gpu;
+use brdf::gpu::{Gpu, StackBuffers};
 use brdf::layered::Model;
 use brdf::layered::description::{Description, Node, Value as Leaf};
-use brdf::parity::{Twin, map_twin, twins};
+use brdf::parity::{Twin, map_twin, stack_arguments, stack_twin, twins};
 use brdf::walk;
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value};
@@ -208,7 +208,7 @@ fn on_adapter(gpu: &Gpu, questions: &[(usize, Question)]) -> Result<Vec<Results>
     for (index, (_, question)) in questions.iter().enumerate() {
         let function = match question {
             Question::Term { term, .. } => term.function,
-            Question::Stack { stack, .. } if !Model::CLOSED_FORM.contains(&stack.model()) => {
+            Question::Stack { stack, .. } if stack_twin(stack.model()).is_none() => {
                 let model = stack.model().name();
                 return Err(Failure::Input(format!("the model {model} is not evaluated on adapters here")));
             }
@@ -218,21 +218,19 @@ fn on_adapter(gpu: &Gpu, questions: &[(usize, Question)]) -> Result<Vec<Results>
     }
     let mut answers: Vec<Results> = vec![Vec::new(); questions.len()];
     for (function, members) in groups {
-        let mut layers = Vec::new();
+        let mut stacks = StackBuffers::default();
         let rows: Vec<Vec<f32>> = members
             .iter()
             .map(|index| match &questions[*index].1 {
                 Question::Term { term, fields } => (term.arguments)(fields).into_iter().map(|x| x as f32).collect(),
-                Question::Stack { stack, wi, wo } => {
-                    let stack = stack.three_single();
-                    let range = [layers.len() as f32, stack.layers().len() as f32];
-                    layers.extend_from_slice(stack.effective_layers());
+                Question::Stack { stack, wi, wo, .. } => {
+                    let place = stack_arguments(&stack.three_single(), &mut stacks);
                     let directions = [wi.x, wi.y, wi.z, wo.x, wo.y, wo.z];
-                    range.into_iter().chain(directions.map(|x| x as f32)).collect()
+                    place.into_iter().chain(directions.map(|x| x as f32)).collect()
                 }
             })
             .collect();
-        let outputs = map_twin(gpu, &twin(function), &rows, &layers)?;
+        let outputs = map_twin(gpu, &twin(function), &rows, &stacks)?;
         for (index, values) in members.into_iter().zip(outputs.values.chunks_exact(outputs.names.len())) {
             let values: Vec<f64> = values.iter().map(|x| f64::from(*x)).collect();
             answers[index] = match &questions[index].1 {
