@@ -255,6 +255,7 @@ fn the_models_are_measured_against_the_walk() {
     let file = stack_file("coated.toml", &format!("name = \"coated\"\n{COATED}"));
     let svg = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("layered.svg");
     let picture = svg.to_str().expect("a path in UTF-8");
+    drop(std::fs::remove_file(&svg));
     let arguments = ["bench", "layered", "--walks", "4096", "--json", "--svg", picture, &file, "glass_over_nothing"];
     let error = last_error(&brdf(&arguments, ""));
     assert!(error.contains("neither a built-in material") && !svg.exists(), "{error}");

@@ -62,10 +62,17 @@ const VIEWS: [(f64, f64); 5] = [(0.0, 180.0), (15.0, 180.0), (-20.0, 150.0), (10
 struct Truth {
     /// At [`THETAS`], a mean and a standard error for each channel.
     albedos: Vec<Vec<(f64, f64)>>,
-    /// The fixed pairs, with f and its standard error for each channel.
-    pairs: Vec<(Vector<f64>, Vector<f64>, Vec<(f64, f64)>)>,
+    /// The fixed pairs.
+    pairs: Vec<Pair>,
     /// The time of one walk for f, on one thread.
     ns: f64,
+}
+
+/// A pair of directions, with f and its standard error for each channel.
+struct Pair {
+    wi: Vector<f64>,
+    wo: Vector<f64>,
+    f: Vec<(f64, f64)>,
 }
 
 /// What a model makes of a stack.
@@ -106,7 +113,7 @@ impl Measured {
     /// The walk as a line of cost and error: the relative standard error of f after one walk, over the lit pairs, and the
     /// time of one walk.
     pub(super) fn walk(&self) -> (f64, f64, f64) {
-        let lit = self.truth.pairs.iter().flat_map(|(.., f)| f).filter(|(f, _)| *f >= DARK);
+        let lit = self.truth.pairs.iter().flat_map(|pair| &pair.f).filter(|(f, _)| *f >= DARK);
         let (sum, count) = lit.fold((0.0, 0.0), |(sum, count), (f, error)| (sum + (error / f).powi(2), count + 1.0));
         (if count > 0.0 { f64::sqrt(sum / count) } else { 0.0 }, self.truth.ns, count)
     }
@@ -185,13 +192,13 @@ fn truth<const C: usize>(stack: &Stack<f64, C>, options: &Options) -> Truth {
     let pairs: Vec<_> = fixed_pairs()
         .map(|(light, view, phi)| {
             let (wi, wo) = (direction(light, 0.0), direction(view, phi));
-            (wi, wo, channels(walk::evaluate(stack, wi, wo, &walks)))
+            Pair { wi, wo, f: channels(walk::evaluate(stack, wi, wo, &walks)) }
         })
         .collect();
     let few = walk::Options { samples: 2048, threads: 1, ..walks };
     let start = Instant::now();
-    for (wi, wo, _) in &pairs {
-        black_box(walk::evaluate(stack, *wi, *wo, &few));
+    for pair in &pairs {
+        black_box(walk::evaluate(stack, pair.wi, pair.wo, &few));
     }
     let ns = start.elapsed().as_nanos() as f64 / (pairs.len() as f64 * f64::from(few.samples));
     Truth { albedos, pairs, ns }
@@ -207,9 +214,9 @@ fn row<const C: usize>(stack: &Stack<f64, C>, truth: &Truth) -> Row {
     let albedo = |theta| check::albedo(&subject, theta, 0.0, Fixed::View, &Effort::default()).value;
     let albedos = THETAS.map(albedo).into();
     let (mut squares, mut lit, mut worst, mut dark) = (0.0, 0, Worst::default(), 0.0f64);
-    for ((light, view, phi), (wi, wo, want)) in fixed_pairs().zip(&truth.pairs) {
-        let f = stack.evaluate(*wi, *wo);
-        for (channel, (have, (want, _))) in f.into_iter().zip(want).enumerate() {
+    for ((light, view, phi), pair) in fixed_pairs().zip(&truth.pairs) {
+        let f = stack.evaluate(pair.wi, pair.wo);
+        for (channel, (have, (want, _))) in f.into_iter().zip(&pair.f).enumerate() {
             if *want < DARK {
                 dark = dark.max((have - want).abs());
                 continue;
@@ -267,8 +274,8 @@ pub(super) fn label(model: Model, widths: Widths) -> String {
 
 fn print(out: &mut impl Write, stack: &Measured) -> io::Result<()> {
     let Measured { name, truth, rows } = stack;
-    let angles = THETAS.map(|theta| format!("{:>8}", format!("{theta}°"))).concat();
-    writeln!(out, "{name:27} albedo{}{angles:>34}", "")?;
+    let angles = THETAS.map(|theta| format!("{theta:>7}°")).concat();
+    writeln!(out, "{name:27} albedo{angles}")?;
     write!(out, "  {:31}", "walk")?;
     for albedo in &truth.albedos {
         let mean = albedo.iter().map(|(mean, _)| mean).sum::<f64>() / albedo.len() as f64;
@@ -281,7 +288,7 @@ fn print(out: &mut impl Write, stack: &Measured) -> io::Result<()> {
         for (have, want) in row.albedos.iter().zip(&truth.albedos) {
             let errors = have.iter().zip(want).map(|(have, (want, _))| have / want - 1.0);
             let worst = errors.fold(0.0, |a: f64, b: f64| if b.abs() > a.abs() { b } else { a });
-            write!(out, "{:>8}", format!("{:+.1} %", 100.0 * worst))?;
+            write!(out, "{:>+7.1}%", 100.0 * worst)?;
         }
         let Worst { error, light, view, phi, .. } = row.worst;
         write!(
@@ -308,7 +315,7 @@ fn as_json(measured: &[Measured], options: &Options) -> Value {
     let stacks = measured.iter().map(|Measured { name, truth, rows }| {
         let pairs = fixed_pairs()
             .zip(&truth.pairs)
-            .map(|((light, view, phi), (.., f))| json!({"light": light, "view": view, "phi": phi, "f": split(f)}));
+            .map(|((light, view, phi), pair)| json!({"light": light, "view": view, "phi": phi, "f": split(&pair.f)}));
         let models = rows.iter().map(|row| {
             json!({
                 "model": row.model.name(), "widths": row.widths.name(),
