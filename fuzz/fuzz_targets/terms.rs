@@ -101,8 +101,11 @@ fn domain<R: Real>(input: &Input) {
 fuzz_target!(|input: Input| {
     any_number::<f64>(input.wild);
     any_number::<f32>(input.wild);
-    let _ = distribution::gaussian_normalisation(input.wild[0]);
-    let _ = fresnel::lazanyi_fit(input.wild[0], input.wild[1]);
+    // These integrate and fit: a thousand times as long as all others together.
+    if input.phi[0] % 1024 == 0 {
+        let _ = distribution::gaussian_normalisation(input.wild[0]);
+        let _ = fresnel::lazanyi_fit(input.wild[0], input.wild[1]);
+    }
     domain::<f64>(&input);
     domain::<f32>(&input);
 });
