@@ -15,17 +15,22 @@ use crate::real::Real;
 /// In plain text: D = exp(−tan²θ/α²)/(πα²cos⁴θ). At θ = 0: 1/(πα²). 0 where tan²θ/α² > 87 (f32) or 708 (f64), where
 /// the result would be subnormal.
 ///
-/// Error in f32: ≤ 7 + 4.5·tan²θ/α² ULP: the rounding of the exponent's argument (`tests/precision.rs`).
+/// Error in f32: ≤ 0.6 ULP, the exponent included.
 /// Source: Beckmann & Spizzichino 1963; Mihaylov 2013, eq. 4.12; Elek 2010, App. B (which lacks 1/π).
 #[inline]
 pub fn beckmann<R: Real>(h: Vector<R>, alpha: R) -> R {
+    R::narrow(beckmann_wide::<_, R>(h.widen(), alpha.widen()))
+}
+
+#[inline(always)]
+pub(crate) fn beckmann_wide<W: Real, R: Real<Wide = W>>(h: Vector<W>, alpha: W) -> W {
     let (inside, z) = upper(h);
     let tan_squared = h.sin_squared() / (z * z);
     let alpha_squared = alpha * alpha;
     let exponent = tan_squared / alpha_squared;
-    let inside = inside & exponent.le(R::EXP_LIMIT);
-    let value = (R::ONE + tan_squared).squared() * (-exponent).exp() / (R::PI * alpha_squared);
-    R::select(inside, value, R::ZERO)
+    let inside = inside & exponent.le(R::EXP_LIMIT.widen());
+    let value = (W::ONE + tan_squared).squared() * (-exponent).exp() / (W::PI * alpha_squared);
+    W::select(inside, value, W::ZERO)
 }
 
 /// Beckmann's distribution with a width for each axis.
@@ -34,16 +39,21 @@ pub fn beckmann<R: Real>(h: Vector<R>, alpha: R) -> R {
 ///
 /// In plain text: D = exp(−((hx/αx)² + (hy/αy)²)/hz²)/(π αx αy cos⁴θ). At αx = αy: [`beckmann`].
 ///
-/// Error in f32: ≤ 8 + 5.5·x ULP for the exponent x. Source: Heitz 2014, eq. 75.
+/// Error in f32: ≤ 0.6 ULP. Source: Heitz 2014, eq. 75.
 #[inline]
 pub fn beckmann_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R {
+    R::narrow(beckmann_anisotropic_wide::<_, R>(h.widen(), alpha_x.widen(), alpha_y.widen()))
+}
+
+#[inline(always)]
+fn beckmann_anisotropic_wide<W: Real, R: Real<Wide = W>>(h: Vector<W>, alpha_x: W, alpha_y: W) -> W {
     let (inside, z) = upper(h);
     let (x, y) = (h.x / (z * alpha_x), h.y / (z * alpha_y));
     let exponent = x * x + y * y;
-    let inside = inside & exponent.le(R::EXP_LIMIT);
-    let inverse_cos_squared = R::ONE + h.sin_squared() / (z * z);
-    let value = inverse_cos_squared.squared() * (-exponent).exp() / (R::PI * alpha_x * alpha_y);
-    R::select(inside, value, R::ZERO)
+    let inside = inside & exponent.le(R::EXP_LIMIT.widen());
+    let inverse_cos_squared = W::ONE + h.sin_squared() / (z * z);
+    let value = inverse_cos_squared.squared() * (-exponent).exp() / (W::PI * alpha_x * alpha_y);
+    W::select(inside, value, W::ZERO)
 }
 
 /// The distribution of Trowbridge and Reitz, known as GGX.
@@ -52,13 +62,18 @@ pub fn beckmann_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R 
 ///
 /// In plain text: D = α²/(π(sin²θ+α²cos²θ)²). At θ = 0: 1/(πα²).
 ///
-/// Error in f32: ≤ 12 ULP. Source: Trowbridge & Reitz 1975; Walter et al. 2007, eq. 33.
+/// Error in f32: ≤ 0.6 ULP. Source: Trowbridge & Reitz 1975; Walter et al. 2007, eq. 33.
 #[inline]
 pub fn ggx<R: Real>(h: Vector<R>, alpha: R) -> R {
+    R::narrow(ggx_wide(h.widen(), alpha.widen()))
+}
+
+#[inline(always)]
+fn ggx_wide<W: Real>(h: Vector<W>, alpha: W) -> W {
     let (inside, z) = upper(h);
     let (s, z_squared) = (h.sin_squared(), z * z);
     let ratio = alpha * (s + z_squared) / (s + alpha * alpha * z_squared);
-    R::select(inside, ratio * ratio * R::FRAC_1_PI, R::ZERO)
+    W::select(inside, ratio * ratio * W::FRAC_1_PI, W::ZERO)
 }
 
 /// GGX with a width for each axis.
@@ -67,13 +82,18 @@ pub fn ggx<R: Real>(h: Vector<R>, alpha: R) -> R {
 ///
 /// In plain text: D = |h|⁴/(π αx αy ((hx/αx)²+(hy/αy)²+hz²)²). At αx = αy: [`ggx`].
 ///
-/// Error in f32: ≤ 14 ULP. Source: Burley 2012, App. B.2, eq. 13; Heitz 2014, eq. 85.
+/// Error in f32: ≤ 0.6 ULP. Source: Burley 2012, App. B.2, eq. 13; Heitz 2014, eq. 85.
 #[inline]
 pub fn ggx_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R {
+    R::narrow(ggx_anisotropic_wide(h.widen(), alpha_x.widen(), alpha_y.widen()))
+}
+
+#[inline(always)]
+fn ggx_anisotropic_wide<W: Real>(h: Vector<W>, alpha_x: W, alpha_y: W) -> W {
     let (inside, z) = upper(h);
     let (x, y) = (h.x / alpha_x, h.y / alpha_y);
     let ratio = (h.sin_squared() + z * z) / (x * x + y * y + z * z);
-    R::select(inside, ratio * ratio / (R::PI * alpha_x * alpha_y), R::ZERO)
+    W::select(inside, ratio * ratio / (W::PI * alpha_x * alpha_y), W::ZERO)
 }
 
 /// Blinn's distribution, with the exponent that matches Beckmann's width.
@@ -83,15 +103,20 @@ pub fn ggx_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R {
 /// In plain text: D = cos(θ)^(2/α²−2)/(πα²). At θ = 0: 1/(πα²); at α = 1: constant.
 ///
 /// The power is exp(−(1/α²−1)·ln(1+tan²θ)), so that it stays accurate for exponents of 10⁸.
-/// Error in f32: ≤ 6 + 7·|ln(πα²D)| ULP. Source: Blinn 1977; Walter et al. 2007, eq. 30 with α_p = 2/α²−2; Elek 2010, §2.1.
+/// Error in f32: ≤ 0.6 ULP. Source: Blinn 1977; Walter et al. 2007, eq. 30 with α_p = 2/α²−2; Elek 2010, §2.1.
 #[inline]
 pub fn blinn<R: Real>(h: Vector<R>, alpha: R) -> R {
+    R::narrow(blinn_wide::<_, R>(h.widen(), alpha.widen()))
+}
+
+#[inline(always)]
+fn blinn_wide<W: Real, R: Real<Wide = W>>(h: Vector<W>, alpha: W) -> W {
     let (inside, z) = upper(h);
     let alpha_squared = alpha * alpha;
-    let half_exponent = (R::ONE - alpha) * (R::ONE + alpha) / alpha_squared;
+    let half_exponent = (W::ONE - alpha) * (W::ONE + alpha) / alpha_squared;
     let exponent = half_exponent * (h.sin_squared() / (z * z)).ln_one_plus();
-    let inside = inside & exponent.le(R::EXP_LIMIT);
-    R::select(inside, (-exponent).exp() / (R::PI * alpha_squared), R::ZERO)
+    let inside = inside & exponent.le(R::EXP_LIMIT.widen());
+    W::select(inside, (-exponent).exp() / (W::PI * alpha_squared), W::ZERO)
 }
 
 /// Blinn's distribution with a width for each axis.
@@ -100,18 +125,23 @@ pub fn blinn<R: Real>(h: Vector<R>, alpha: R) -> R {
 ///
 /// In plain text: cos(θ)^e/(π αx αy), the exponent interpolated over the azimuth. At αx = αy: [`blinn`].
 ///
-/// Error in f32: ≤ 8 + 8·x ULP with x = (cos²φ/αx²+sin²φ/αy²)·ln(1+tan²θ). Source: Ashikhmin & Shirley 2000, eq. 6, without their 1/4 terms.
+/// Error in f32: ≤ 0.6 ULP. Source: Ashikhmin & Shirley 2000, eq. 6, without their 1/4 terms.
 #[inline]
 pub fn blinn_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R {
+    R::narrow(blinn_anisotropic_wide::<_, R>(h.widen(), alpha_x.widen(), alpha_y.widen()))
+}
+
+#[inline(always)]
+fn blinn_anisotropic_wide<W: Real, R: Real<Wide = W>>(h: Vector<W>, alpha_x: W, alpha_y: W) -> W {
     let (inside, z) = upper(h);
     let s = h.sin_squared();
-    let across = R::select(s.gt(R::ZERO), s, R::ONE);
+    let across = W::select(s.gt(W::ZERO), s, W::ONE);
     let (x, y) = (h.x / alpha_x, h.y / alpha_y);
     // ln(1+t²)·(half the exponent); the azimuthal mean of 1/α² is (x²+y²)/s.
-    let half_exponent = (R::select(s.gt(R::ZERO), (x * x + y * y) / across, R::ONE) - R::ONE).max(R::ZERO);
+    let half_exponent = (W::select(s.gt(W::ZERO), (x * x + y * y) / across, W::ONE) - W::ONE).max(W::ZERO);
     let exponent = half_exponent * (s / (z * z)).ln_one_plus();
-    let inside = inside & exponent.le(R::EXP_LIMIT);
-    R::select(inside, (-exponent).exp() / (R::PI * alpha_x * alpha_y), R::ZERO)
+    let inside = inside & exponent.le(R::EXP_LIMIT.widen());
+    W::select(inside, (-exponent).exp() / (W::PI * alpha_x * alpha_y), W::ZERO)
 }
 
 /// The Gaussian distribution in the angle.
@@ -121,14 +151,19 @@ pub fn blinn_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R {
 /// In plain text: D = c·exp(−(θ/α)²), with θ the angle to the normal in radians and c = `normalisation` from
 /// [`gaussian_normalisation`], a constant of the material.
 ///
-/// Error in f32: ≤ 8 + 9·(θ/α)² ULP. Source: Torrance & Sparrow 1967, eq. 5; Elek 2010, §2.1 (with c unstated).
+/// Error in f32: ≤ 0.6 ULP. Source: Torrance & Sparrow 1967, eq. 5; Elek 2010, §2.1 (with c unstated).
 #[inline]
 pub fn gaussian<R: Real>(h: Vector<R>, alpha: R, normalisation: R) -> R {
+    R::narrow(gaussian_wide::<_, R>(h.widen(), alpha.widen(), normalisation.widen()))
+}
+
+#[inline(always)]
+fn gaussian_wide<W: Real, R: Real<Wide = W>>(h: Vector<W>, alpha: W, normalisation: W) -> W {
     let (inside, z) = upper(h);
-    let angle = h.sin_squared().sqrt().angle(z) / alpha;
+    let angle = R::angle_wide(h.sin_squared().sqrt(), z) / alpha;
     let exponent = angle * angle;
-    let inside = inside & exponent.le(R::EXP_LIMIT);
-    R::select(inside, normalisation * (-exponent).exp(), R::ZERO)
+    let inside = inside & exponent.le(R::EXP_LIMIT.widen());
+    W::select(inside, normalisation * (-exponent).exp(), W::ZERO)
 }
 
 /// The constant c(α) of [`gaussian`], 1/∫ exp(−(θ/α)²)·cosθ dω.

@@ -73,6 +73,12 @@ impl<R: Real> Vector<R> {
         self * inverse
     }
 
+    /// The same vector in the numbers that terms compute with ([`Real::Wide`]).
+    #[inline(always)]
+    pub fn widen(self) -> Vector<R::Wide> {
+        Vector::new(self.x.widen(), self.y.widen(), self.z.widen())
+    }
+
     /// The same vector over another number type.
     #[inline(always)]
     pub fn cast<S: Real>(self) -> Vector<S> {

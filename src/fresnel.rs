@@ -16,6 +16,14 @@ pub struct Fresnel<R> {
     pub transmittance: R,
 }
 
+impl<W: Real> Fresnel<W> {
+    /// The nearest numbers of a type that computes in `W`.
+    #[inline(always)]
+    pub(crate) fn narrow<R: Real<Wide = W>>(self) -> Fresnel<R> {
+        Fresnel { reflectance: R::narrow(self.reflectance), transmittance: R::narrow(self.transmittance) }
+    }
+}
+
 /// The exact Fresnel equations of a dielectric.
 ///
 /// $$F = \tfrac12 (r_s^2 + r_p^2),\quad r_s = \frac{c-g}{c+g},\quad r_p = \frac{\eta^2 c-g}{\eta^2 c+g},\quad g^2 = \eta^2 - 1 + c^2$$
@@ -26,42 +34,54 @@ pub struct Fresnel<R> {
 /// * `eta` > 0: n_t/n_i. At η = 1: F = 0 for every angle. For η < 1, F = 1 and T = 0 from the critical angle on
 ///   (c² ≤ 1−η²).
 ///
-/// Error in f32: F ≤ 18 ULP, T ≤ 7 ULP for η in [1/4, 4], cos in [1e-6, 1] (`tests/precision.rs`), the critical angle
+/// Error in f32: ≤ 0.6 ULP for η in [1/4, 4], cos in [1e-6, 1], the critical angle
 /// included: g² is summed without rounding error. Source: Cook & Torrance 1982, eq. 18; Born & Wolf, §1.5.2, eq. 21.
 #[inline]
 pub fn dielectric<R: Real>(cos_i: R, eta: R) -> Fresnel<R> {
+    dielectric_wide::<_, R>(cos_i.widen(), eta.widen()).narrow()
+}
+
+/// [`dielectric`] in the numbers that it computes with.
+#[inline(always)]
+pub(crate) fn dielectric_wide<W: Real, R: Real<Wide = W>>(cos_i: W, eta: W) -> Fresnel<W> {
     let c = cos_i;
-    let g_squared = refracted_square(c, eta);
-    let total = g_squared.lt(R::ZERO);
-    let g = g_squared.max(R::ZERO).sqrt();
+    let g_squared = refracted_square_wide::<_, R>(c, eta);
+    let total = g_squared.lt(W::ZERO);
+    let g = g_squared.max(W::ZERO).sqrt();
     // The differences c−g and η²c−g are written as quotients that do not cancel: (c−g)(c+g) = 1−η².
-    let e1 = (eta - R::ONE) * (eta + R::ONE);
+    let e1 = (eta - W::ONE) * (eta + W::ONE);
     let eta_squared = eta * eta;
-    let matched = (c + g).le(R::ZERO);
-    let sum_s = R::select(matched, R::ONE, (c + g).squared());
-    let sum_p = R::select(matched, R::ONE, (eta_squared * c + g).squared());
+    let matched = (c + g).le(W::ZERO);
+    let sum_s = W::select(matched, W::ONE, (c + g).squared());
+    let sum_p = W::select(matched, W::ONE, (eta_squared * c + g).squared());
     let rs = e1 / sum_s;
     // (η²c−g)(η²c+g), which vanishes at Brewster's angle: for small η that is close to the critical angle, where sum_p
     // is small, while F is far from 0 and the difference itself exact enough.
-    let product = e1 * (eta_squared * c * c - (R::ONE - c) * (R::ONE + c));
+    let product = e1 * (eta_squared * c * c - (W::ONE - c) * (W::ONE + c));
     let difference = (eta_squared * c - g) * (eta_squared * c + g);
-    let rp = R::select(eta.lt(R::from_f64(0.7)), difference, product) / sum_p;
-    let transmittance = R::TWO * c * g * (R::ONE / sum_s + eta_squared / sum_p);
+    let rp = W::select(eta.lt(W::from_f64(0.7)), difference, product) / sum_p;
+    let transmittance = W::TWO * c * g * (W::ONE / sum_s + eta_squared / sum_p);
     Fresnel {
-        reflectance: R::select(total, R::ONE, R::HALF * (rs * rs + rp * rp)),
-        transmittance: R::select(total, R::ZERO, R::select(matched, R::ONE, transmittance)),
+        reflectance: W::select(total, W::ONE, W::HALF * (rs * rs + rp * rp)),
+        transmittance: W::select(total, W::ZERO, W::select(matched, W::ONE, transmittance)),
     }
 }
 
 /// g² = c² + η² − 1, η² times the squared cosine of the refracted ray; negative on total reflection.
 ///
-/// Summed from exact products, so that it keeps its relative accuracy down to the critical angle. Error in f32: ≤ 1.5 ULP where it is positive.
+/// Summed from exact products, so that it keeps its relative accuracy down to the critical angle. Error in f32: ≤ 0.6 ULP where it is positive.
 #[inline]
 pub fn refracted_square<R: Real>(cos_i: R, eta: R) -> R {
-    let (c, c_error) = cos_i.product_exact(cos_i);
-    let (e, e_error) = eta.product_exact(eta);
+    R::narrow(refracted_square_wide::<_, R>(cos_i.widen(), eta.widen()))
+}
+
+/// [`refracted_square`] in the numbers that it computes with.
+#[inline(always)]
+pub(crate) fn refracted_square_wide<W: Real, R: Real<Wide = W>>(cos_i: W, eta: W) -> W {
+    let (c, c_error) = R::product_wide(cos_i, cos_i);
+    let (e, e_error) = R::product_wide(eta, eta);
     // Where the sum cancels, the larger square is in [1/2, 1]: both differences are exact there (Sterbenz).
-    let sum = (c.max(e) - R::ONE) + c.min(e);
+    let sum = (c.max(e) - W::ONE) + c.min(e);
     let (fine, finer) = c_error.sum_exact(e_error);
     (sum + fine) + finer
 }
@@ -76,42 +96,48 @@ pub fn refracted_square<R: Real>(cos_i: R, eta: R) -> R {
 /// * `cos_i` in [0, 1]. At 0: F = 1. At 1: F = ((n−1)²+κ²)/((n+1)²+κ²).
 /// * `n` > 0 and `k` ≥ 0, relative to the (transparent) medium of incidence.
 ///
-/// Error in f32: F ≤ 17 + 1·x ULP, T ≤ 11 + 3·x ULP for n in [0.02, 8], κ in [0, 12] (`tests/precision.rs`), where
-/// x = c²/|(n+iκ)²−s²| ≤ 1e5. It is at most 1 but close to the critical angle of κ ≈ 0, n < 1: for κ = 0 take
-/// [`dielectric`] there, which is accurate. Source: Born & Wolf, §14.2, eq. 15–18; Elek
-/// 2010, §2.1 (which prints an approximation); the roots are chosen so that none cancels.
+/// Error in f32: ≤ 0.6 ULP for n in [0.02, 8], κ in [0, 12], cos in [1e-6, 1], the critical angle of κ ≈ 0, n < 1 included.
+/// Source: Born & Wolf, §14.2, eq. 15–18; Elek 2010, §2.1 (which prints an approximation); the roots are chosen so that
+/// none cancels.
 #[inline]
 pub fn conductor<R: Real>(cos_i: R, n: R, k: R) -> Fresnel<R> {
+    conductor_wide::<_, R>(cos_i.widen(), n.widen(), k.widen()).narrow()
+}
+
+/// [`conductor`] in the numbers that it computes with.
+#[inline(always)]
+pub(crate) fn conductor_wide<W: Real, R: Real<Wide = W>>(cos_i: W, n: W, k: W) -> Fresnel<W> {
     let c = cos_i;
-    let e1 = (n - R::ONE) * (n + R::ONE) - k * k;
-    let real = e1 + c * c;
+    let e1 = (n - W::ONE) * (n + W::ONE) - k * k;
+    // e1+c², which vanishes at the critical angle of κ ≈ 0.
+    let real = refracted_square_wide::<_, R>(c, n) - k * k;
     let nk = n * k;
-    let modulus = (real * real + R::from_f64(4.0) * nk * nk).sqrt();
-    let larger = (R::HALF * (modulus + real.abs())).sqrt();
-    let smaller = nk / R::select(larger.gt(R::ZERO), larger, R::ONE);
-    let above = real.ge(R::ZERO);
-    let a = R::select(above, larger, smaller);
-    let b = R::select(above, smaller, larger);
+    let modulus = (real * real + W::from_f64(4.0) * nk * nk).sqrt();
+    let larger = (W::HALF * (modulus + real.abs())).sqrt();
+    let smaller = nk / W::select(larger.gt(W::ZERO), larger, W::ONE);
+    let above = real.ge(W::ZERO);
+    let a = W::select(above, larger, smaller);
+    let b = W::select(above, smaller, larger);
     let b_squared = b * b;
 
     let sum = (a + c).squared() + b_squared;
-    let matched = sum.le(R::ZERO);
-    let sum = R::select(matched, R::ONE, sum);
+    let matched = sum.le(W::ZERO);
+    let sum = W::select(matched, W::ONE, sum);
     // a−c without cancellation: (a−c)(a+c) = e1+b². Where b ≥ a the quotient would magnify the rounding of b² at small
     // a+c, and b² drowns what a−c loses.
-    let quotient = (e1 + b_squared) / R::select(above & !matched, a + c, R::ONE);
-    let difference = R::select(above, quotient, a - c);
-    let s_squared = (R::ONE - c) * (R::ONE + c);
+    let quotient = (e1 + b_squared) / W::select(above & !matched, a + c, W::ONE);
+    let difference = W::select(above, quotient, a - c);
+    let s_squared = (W::ONE - c) * (W::ONE + c);
     let ac = a * c;
     let bc_squared = b_squared * c * c;
     let sum_q = (ac + s_squared).squared() + bc_squared;
     let fs = (difference * difference + b_squared) / sum;
     let fq = ((ac - s_squared).squared() + bc_squared) / sum_q;
-    let ts = R::from_f64(4.0) * ac / sum;
-    let tq = R::from_f64(4.0) * ac * s_squared / sum_q;
+    let ts = W::from_f64(4.0) * ac / sum;
+    let tq = W::from_f64(4.0) * ac * s_squared / sum_q;
     Fresnel {
-        reflectance: R::HALF * fs * (R::ONE + fq),
-        transmittance: R::select(matched, R::ONE, ts + R::HALF * tq * (R::ONE - ts)),
+        reflectance: W::HALF * fs * (W::ONE + fq),
+        transmittance: W::select(matched, W::ONE, ts + W::HALF * tq * (W::ONE - ts)),
     }
 }
 
@@ -123,18 +149,23 @@ pub fn conductor<R: Real>(cos_i: R, n: R, k: R) -> Fresnel<R> {
 ///
 /// * `cos_i` in [0, 1]; `n` > 0, `k` ≥ 0. At cos 0: F = 1; at cos 1: exact.
 ///
-/// Differs from [`conductor`] by up to .099 at n = 1.5, κ = 0 and by ≤ .008 for κ ≥ 2. Error in f32: ≤ 8 ULP.
+/// Differs from [`conductor`] by up to .099 at n = 1.5, κ = 0 and by ≤ .008 for κ ≥ 2. Error in f32: ≤ 0.6 ULP.
 /// Source: Mihaylov 2013, eq. 3.6 and 4.6 (its listing drops a factor: erratum 15).
 #[inline]
 pub fn conductor_approx<R: Real>(cos_i: R, n: R, k: R) -> R {
+    R::narrow(conductor_approx_wide(cos_i.widen(), n.widen(), k.widen()))
+}
+
+#[inline(always)]
+fn conductor_approx_wide<W: Real>(cos_i: W, n: W, k: W) -> W {
     let c = cos_i;
     let k_squared = k * k;
     let kc_squared = k_squared * c * c;
     let s = ((n - c).squared() + k_squared) / ((n + c).squared() + k_squared);
     // nc−1 without the rounding of nc: what is left to cancel is small beside s.
-    let difference = (n - R::ONE) * c - (R::ONE - c);
-    let p = (difference.squared() + kc_squared) / ((n * c + R::ONE).squared() + kc_squared);
-    R::HALF * (s + p)
+    let difference = (n - W::ONE) * c - (W::ONE - c);
+    let p = (difference.squared() + kc_squared) / ((n * c + W::ONE).squared() + kc_squared);
+    W::HALF * (s + p)
 }
 
 /// The reflectance at normal incidence of a surface with the relative index n + iκ.
@@ -143,11 +174,16 @@ pub fn conductor_approx<R: Real>(cos_i: R, n: R, k: R) -> R {
 ///
 /// In plain text: F0 = ((n−1)²+κ²)/((n+1)²+κ²). `n` > 0, `k` ≥ 0; 0 at n = 1, κ = 0.
 ///
-/// Error in f32: ≤ 7 ULP. Source: Elek 2010, App. B; Born & Wolf, §14.2.
+/// Error in f32: ≤ 0.6 ULP. Source: Elek 2010, App. B; Born & Wolf, §14.2.
 #[inline]
 pub fn normal_incidence<R: Real>(n: R, k: R) -> R {
+    R::narrow(normal_incidence_wide(n.widen(), k.widen()))
+}
+
+#[inline(always)]
+fn normal_incidence_wide<W: Real>(n: W, k: W) -> W {
     let k_squared = k * k;
-    ((n - R::ONE).squared() + k_squared) / ((n + R::ONE).squared() + k_squared)
+    ((n - W::ONE).squared() + k_squared) / ((n + W::ONE).squared() + k_squared)
 }
 
 /// Schlick's approximation from the reflectance at normal incidence.
@@ -158,16 +194,21 @@ pub fn normal_incidence<R: Real>(n: R, k: R) -> R {
 ///
 /// * `cos_i` in [0, 1]; `f0` in [0, 1].
 ///
-/// Error in f32: F ≤ 9 ULP, T ≤ 6 ULP of the formula; against the exact dielectric at n = 1.5 up to .036.
+/// Error in f32: ≤ 0.6 ULP of the formula; against the exact dielectric at n = 1.5 up to .036.
 /// Source: Schlick 1994, eq. 15.
 #[inline]
 pub fn schlick<R: Real>(cos_i: R, f0: R) -> Fresnel<R> {
-    let q = R::ONE - cos_i;
+    schlick_wide(cos_i.widen(), f0.widen()).narrow()
+}
+
+#[inline(always)]
+fn schlick_wide<W: Real>(cos_i: W, f0: W) -> Fresnel<W> {
+    let q = W::ONE - cos_i;
     let q_squared = q * q;
-    let rest = R::ONE - f0;
+    let rest = W::ONE - f0;
     Fresnel {
         reflectance: f0 + rest * (q_squared * q_squared * q),
-        transmittance: rest * cos_i * ((R::ONE + q) * (R::ONE + q_squared) + q_squared * q_squared),
+        transmittance: rest * cos_i * ((W::ONE + q) * (W::ONE + q_squared) + q_squared * q_squared),
     }
 }
 
@@ -175,9 +216,14 @@ pub fn schlick<R: Real>(cos_i: R, f0: R) -> Fresnel<R> {
 ///
 /// F0 = ((n_t−n_i)/(n_t+n_i))², then [`schlick`]. `cos_i` in [0, 1]; `n_i`, `n_t` > 0. It knows no total reflection.
 ///
-/// Error in f32: F ≤ 9 ULP, T ≤ 7 ULP. Source: Mihaylov 2013, eq. 4.9; Schlick 1994, eq. 15.
+/// Error in f32: ≤ 0.6 ULP. Source: Mihaylov 2013, eq. 4.9; Schlick 1994, eq. 15.
 #[inline]
 pub fn schlick_from_indices<R: Real>(cos_i: R, n_i: R, n_t: R) -> Fresnel<R> {
+    schlick_from_indices_wide(cos_i.widen(), n_i.widen(), n_t.widen()).narrow()
+}
+
+#[inline(always)]
+fn schlick_from_indices_wide<W: Real>(cos_i: W, n_i: W, n_t: W) -> Fresnel<W> {
     schlick(cos_i, ((n_t - n_i) / (n_t + n_i)).squared())
 }
 
@@ -187,33 +233,43 @@ pub fn schlick_from_indices<R: Real>(cos_i: R, n_i: R, n_t: R) -> Fresnel<R> {
 ///
 /// In plain text: F = ((n−1)² + 4n(1−c)⁵ + κ²)/((n+1)²+κ²). `cos_i` in [0, 1], `n` > 0, `k` ≥ 0.
 ///
-/// Error in f32: ≤ 13 ULP of the formula; against [`conductor`] up to .041 for copper and .243 for chromium at 84°.
+/// Error in f32: ≤ 0.6 ULP of the formula; against [`conductor`] up to .041 for copper and .243 for chromium at 84°.
 /// Source: Lazányi & Szirmay-Kalos 2005, eq. 5; Elek 2010, App. B, which prints the fourth power.
 #[inline]
 pub fn lazanyi_uncorrected<R: Real>(cos_i: R, n: R, k: R) -> R {
-    let q = R::ONE - cos_i;
+    R::narrow(lazanyi_uncorrected_wide(cos_i.widen(), n.widen(), k.widen()))
+}
+
+#[inline(always)]
+fn lazanyi_uncorrected_wide<W: Real>(cos_i: W, n: W, k: W) -> W {
+    let q = W::ONE - cos_i;
     let q_squared = q * q;
     let k_squared = k * k;
-    ((n - R::ONE).squared() + R::from_f64(4.0) * n * (q_squared * q_squared * q) + k_squared)
-        / ((n + R::ONE).squared() + k_squared)
+    ((n - W::ONE).squared() + W::from_f64(4.0) * n * (q_squared * q_squared * q) + k_squared)
+        / ((n + W::ONE).squared() + k_squared)
 }
 
 /// Lazányi's approximation for metals with its correction.
 ///
 /// $$F = \frac{(n-1)^2 + 4n(1-c)^5 + \kappa^2}{(n+1)^2+\kappa^2} - a\,c\,(1-c)^{e}$$
 ///
-/// In plain text: [`lazanyi_uncorrected`] − a·c·(1−c)^e.
+/// In plain text: [`lazanyi_uncorrected`] − a·c·(1−c)^e, at least 0.
 ///
 /// * `cos_i` in [0, 1]; `n` > 0, `k` ≥ 0; `a` and `exponent` > 0 from [`lazanyi_fit`].
 ///
-/// Error in f32: ≤ 10 + 1.5·e·|ln(1−c)| ULP of the sum of both terms; against [`conductor`] ≤ .0195 for the fitted seed metals.
+/// Error in f32: ≤ 0.6 ULP of the formula; against [`conductor`] ≤ .0195 for the fitted seed metals.
 /// Source: Lazányi & Szirmay-Kalos 2005, eq. 6.
 #[inline]
 pub fn lazanyi<R: Real>(cos_i: R, n: R, k: R, a: R, exponent: R) -> R {
-    let inside = cos_i.lt(R::ONE);
-    let log = R::select(inside, -cos_i, R::ZERO).ln_one_plus();
-    let power = R::select(inside, (exponent * log).exp(), R::ZERO);
-    lazanyi_uncorrected(cos_i, n, k) - a * cos_i * power
+    R::narrow(lazanyi_wide(cos_i.widen(), n.widen(), k.widen(), a.widen(), exponent.widen()))
+}
+
+#[inline(always)]
+fn lazanyi_wide<W: Real>(cos_i: W, n: W, k: W, a: W, exponent: W) -> W {
+    let inside = cos_i.lt(W::ONE);
+    let log = W::select(inside, -cos_i, W::ZERO).ln_one_plus();
+    let power = W::select(inside, (exponent * log).exp(), W::ZERO);
+    (lazanyi_uncorrected(cos_i, n, k) - a * cos_i * power).max(W::ZERO)
 }
 
 /// The constants of [`lazanyi`] for one index, and the error they leave.
@@ -290,21 +346,27 @@ fn golden_section(low: f64, high: f64, steps: usize, f: impl Fn(f64) -> f64) -> 
 ///
 /// $$F = F_s(c) - \frac{F_s(\bar c)(1-t)}{\bar c(1-\bar c)^6}\,c\,(1-c)^6,\quad \bar c = 1/7,\quad F_s = \text{Schlick}$$
 ///
-/// In plain text: Schlick's F minus c(1−c)⁶·Fs(1/7)(1−t)/((1/7)(6/7)⁶), so that F(1/7) = t·Fs(1/7).
+/// In plain text: Schlick's F minus c(1−c)⁶·Fs(1/7)(1−t)/((1/7)(6/7)⁶), so that F(1/7) = t·Fs(1/7). At
+/// least 0: for a dark F0 and tint the dip would exceed what it is taken from.
 ///
 /// * `cos_i`, `f0`, `tint` in [0, 1]. At tint 1: [`schlick`].
 ///
-/// Error in f32: ≤ 18 ULP of Schlick's F, which the dip is subtracted from. Source: Kutz, Hašan & Edmondson 2021, "Novel aspects of the Adobe Standard
+/// Error in f32: ≤ 0.6 ULP. Source: Kutz, Hašan & Edmondson 2021, "Novel aspects of the Adobe Standard
 /// Material", §2.3; OpenPBR 1.1, "Metal".
 #[inline]
 pub fn f82_tint<R: Real>(cos_i: R, f0: R, tint: R) -> R {
+    R::narrow(f82_tint_wide(cos_i.widen(), f0.widen(), tint.widen()))
+}
+
+#[inline(always)]
+fn f82_tint_wide<W: Real>(cos_i: W, f0: W, tint: W) -> W {
     // 1/(c̄(1−c̄)⁶) and (1−c̄)⁵ at c̄ = 1/7.
-    let at_peak = R::from_f64(823_543.0 / 46_656.0);
-    let fifth = R::from_f64(7_776.0 / 16_807.0);
-    let q = R::ONE - cos_i;
+    let at_peak = W::from_f64(823_543.0 / 46_656.0);
+    let fifth = W::from_f64(7_776.0 / 16_807.0);
+    let q = W::ONE - cos_i;
     let q_squared = q * q;
-    let schlick_bar = f0 + (R::ONE - f0) * fifth;
-    let dip = schlick_bar * (R::ONE - tint) * at_peak;
-    let base = f0 + (R::ONE - f0) * (q_squared * q_squared * q);
-    base - dip * cos_i * (q_squared * q_squared * q_squared)
+    let schlick_bar = f0 + (W::ONE - f0) * fifth;
+    let dip = schlick_bar * (W::ONE - tint) * at_peak;
+    let base = f0 + (W::ONE - f0) * (q_squared * q_squared * q);
+    (base - dip * cos_i * (q_squared * q_squared * q_squared)).max(W::ZERO)
 }

@@ -218,6 +218,7 @@ impl Mask for Ternary {
 impl Sealed for WgslInterval {}
 impl Real for WgslInterval {
     type Mask = Ternary;
+    type Wide = Self;
 
     const ZERO: Self = WgslInterval { low: 0.0, high: 0.0 };
     const ONE: Self = WgslInterval { low: 1.0, high: 1.0 };
@@ -240,6 +241,12 @@ impl Real for WgslInterval {
         } else {
             WgslInterval { low: f64::from(nearest.next_down()), high: f64::from(nearest) }
         }
+    }
+    fn widen(self) -> Self {
+        self
+    }
+    fn narrow(wide: Self) -> Self {
+        wide
     }
     fn to_f64(self) -> f64 {
         if self.low == self.high { self.low } else { 0.5 * (self.low + self.high) }
@@ -297,6 +304,11 @@ impl Real for WgslInterval {
     /// The exact product, and what the pair may miss of it.
     fn product_exact(self, other: Self) -> (Self, Self) {
         let (low, high) = self.corners(other, |a, b| if b == 0.0 { 0.0 } else { a * b });
+        // A product that is an f32 leaves nothing: 1², the matched index.
+        let exact = low == high && f64::from(low as f32) == low && (low == 0.0 || low.abs() >= TINY);
+        if exact {
+            return (WgslInterval { low, high }, Self::ZERO);
+        }
         (Self::rounded(low, high, 0.0), Self::second_order(low.abs().max(high.abs())))
     }
 
@@ -342,10 +354,16 @@ impl Real for WgslInterval {
             Self::rounded(low, high, 3.5)
         })
     }
+    fn product_wide(a: Self, b: Self) -> (Self, Self) {
+        a.product_exact(b)
+    }
+    fn angle_wide(opposite: Self, adjacent: Self) -> Self {
+        opposite.angle(adjacent)
+    }
     /// Clenshaw's sum for a value in [1, 1.3]: u 4.5 ULP times a slope ≤ 0.5; the sums 6; the divisor 2, the division 2.5;
     /// the dropped terms 7e-9 = 0.1.
-    fn erfcx(self) -> Self {
-        self.monotonic(14.0, |x| Real::erfcx(x.max(0.0)))
+    fn erfcx_wide(x: Self) -> Self {
+        x.monotonic(14.0, |x| Real::erfcx(x.max(0.0)))
     }
 }
 

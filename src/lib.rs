@@ -14,7 +14,7 @@
 //! * `alpha` is the width of a microfacet distribution, Beckmann's slope parameter √2·rms slope (the documents' `m`).
 //! * Albedo is ∫ f·cos dω over the hemisphere.
 //! * Errors are in ULP, the spacing of the number type at the exact result, for inputs that are exact: each stated bound
-//!   is asserted by `tests/precision.rs`, which reads it from the documentation.
+//!   is asserted by `tests/accuracy`, which reads it from the documentation and measures it (`docs/accuracy.md`).
 //!
 //! # From a direction to radiance
 //!
@@ -49,8 +49,10 @@ pub mod phong;
 pub mod real;
 pub mod refraction;
 pub mod sampling;
+mod series;
 #[cfg(feature = "shader")]
 pub mod shader;
+pub mod single;
 #[cfg(feature = "std")]
 pub mod walk;
 pub mod wgsl;

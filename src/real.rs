@@ -8,6 +8,7 @@
 //! supplies [`Real::ln_one_plus`], [`Real::angle`], [`Real::erfcx`], [`Real::exp_product`] and [`Real::unit_circle`] under the
 //! same names.
 
+use crate::series::{COSINE, ERFCX, SINE, angle_polynomial, circle, erfcx_chebyshev, quarter_turns};
 use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -37,7 +38,8 @@ impl Mask for bool {
     }
 }
 
-/// A real number that the reflectance formulas run over. Sealed: `f32`, `f64` and [`WgslInterval`](crate::interval::WgslInterval).
+/// A real number that the reflectance formulas run over. Sealed: `f32`, `f64`, [`Single`](crate::single::Single) and
+/// [`WgslInterval`](crate::interval::WgslInterval).
 ///
 /// Methods follow IEEE 754: `sqrt` is correctly rounded, the transcendental functions are those of the standard library
 /// or, with the feature `libm` and without `std`, of libm (each ≤ 1 ULP there).
@@ -58,6 +60,12 @@ pub trait Real:
 {
     /// What a comparison returns.
     type Mask: Mask;
+    /// The numbers that a term over this type computes in: f64 for `f32`, else the type itself.
+    ///
+    /// A term takes its arguments to this type, evaluates its formula there and rounds the result once. In `f32` that is
+    /// what keeps each result within a ULP; under WGSL's rules, where there is no wider type, and in
+    /// [`Single`](crate::single::Single) the formula is evaluated as it stands. `docs/decisions.md` says what it costs.
+    type Wide: Real<Wide = Self::Wide>;
 
     /// 0.
     const ZERO: Self;
@@ -80,6 +88,10 @@ pub trait Real:
     fn from_f64(x: f64) -> Self;
     /// This number in double precision.
     fn to_f64(self) -> f64;
+    /// This number as the terms compute with it, exactly.
+    fn widen(self) -> Self::Wide;
+    /// The nearest number to a term's result; the largest of this type where the result is larger.
+    fn narrow(wide: Self::Wide) -> Self;
 
     /// √x.
     fn sqrt(self) -> Self;
@@ -135,8 +147,11 @@ pub trait Real:
     /// A quarter turn is split off exactly and the rest, at most an eighth, goes through Taylor's polynomials. Error ≤ 3 ULP
     /// of each result; exactly (1, 0), (0, 1), (−1, 0) and (0, −1) at the quarters. NaN counts as 0.
     fn unit_circle(self) -> (Self, Self);
-    /// The scaled complementary error function exp(x²)·erfc(x), x ≥ 0. 1 at 0, falls to 1/(x√π). Error in f32: ≤ 7 ULP.
-    fn erfcx(self) -> Self;
+    /// The scaled complementary error function exp(x²)·erfc(x), x ≥ 0. 1 at 0, falls to 1/(x√π). Error in f32: ≤ 0.6 ULP.
+    #[inline(always)]
+    fn erfcx(self) -> Self {
+        Self::narrow(Self::erfcx_wide(self.widen()))
+    }
     /// exp(−a·b), with the rounding error of the product a·b carried into the result; a, b ≥ 0.
     /// 0 where a·b > [`Real::EXP_LIMIT`].
     ///
@@ -162,6 +177,24 @@ pub trait Real:
         let u = (self - Self::from_f64(left as f64)).saturate();
         core::array::from_fn(|c| Self::from_f64(a[c]) * (Self::ONE - u) + Self::from_f64(b[c]) * u)
     }
+    /// [`Real::product_exact`] of two wide numbers, so far as this type can tell: in `f32` the double-precision product alone.
+    #[doc(hidden)]
+    fn product_wide(a: Self::Wide, b: Self::Wide) -> (Self::Wide, Self::Wide);
+    /// [`Real::exp_product`] of two wide numbers, 0 past the limit of this type.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn exp_product_wide(a: Self::Wide, b: Self::Wide) -> Self::Wide {
+        let (product, error) = Self::product_wide(a, b);
+        let value = (-product).exp();
+        let inside = product.le(Self::EXP_LIMIT.widen());
+        Self::Wide::select(inside, value - value * error, Self::Wide::ZERO)
+    }
+    /// [`Real::angle`] of two wide numbers, with the digits that this type can tell.
+    #[doc(hidden)]
+    fn angle_wide(opposite: Self::Wide, adjacent: Self::Wide) -> Self::Wide;
+    /// [`Real::erfcx`] of a wide number, with the digits that this type can tell.
+    #[doc(hidden)]
+    fn erfcx_wide(x: Self::Wide) -> Self::Wide;
 
     /// x clamped to [0, 1]; NaN becomes 0.
     #[inline(always)]
@@ -274,7 +307,17 @@ impl Real for f32 {
     const FRAC_1_PI: Self = core::f32::consts::FRAC_1_PI;
     const EPSILON: Self = f32::EPSILON;
     const EXP_LIMIT: Self = 87.0;
+    type Wide = f64;
 
+    #[inline(always)]
+    fn widen(self) -> f64 {
+        f64::from(self)
+    }
+    #[inline(always)]
+    fn narrow(wide: f64) -> Self {
+        // What only a double can hold, a lobe between two directions on the horizon, is the largest f32.
+        if wide > f64::from(f32::MAX) { f32::MAX } else { wide as f32 }
+    }
     #[inline(always)]
     fn from_f64(x: f64) -> Self {
         x as f32
@@ -291,8 +334,16 @@ impl Real for f32 {
         (product, (exact - f64::from(product)) as f32)
     }
     #[inline(always)]
-    fn erfcx(self) -> Self {
-        erfcx_chebyshev(self, &ERFCX_SINGLE)
+    fn product_wide(a: f64, b: f64) -> (f64, f64) {
+        (a * b, 0.0)
+    }
+    #[inline(always)]
+    fn angle_wide(opposite: f64, adjacent: f64) -> f64 {
+        angle_polynomial(opposite, adjacent)
+    }
+    #[inline(always)]
+    fn erfcx_wide(x: f64) -> f64 {
+        erfcx_chebyshev(x, &ERFCX[..13])
     }
     #[inline(always)]
     fn unit_circle(self) -> (Self, Self) {
@@ -309,7 +360,16 @@ impl Real for f64 {
     const FRAC_1_PI: Self = core::f64::consts::FRAC_1_PI;
     const EPSILON: Self = f64::EPSILON;
     const EXP_LIMIT: Self = 708.0;
+    type Wide = f64;
 
+    #[inline(always)]
+    fn widen(self) -> f64 {
+        self
+    }
+    #[inline(always)]
+    fn narrow(wide: f64) -> Self {
+        wide
+    }
     #[inline(always)]
     fn from_f64(x: f64) -> Self {
         x
@@ -328,118 +388,21 @@ impl Real for f64 {
         (product, ((ah * bh - product) + ah * bl + al * bh) + al * bl)
     }
     #[inline(always)]
-    fn erfcx(self) -> Self {
-        erfcx_chebyshev(self, &ERFCX)
+    fn product_wide(a: f64, b: f64) -> (f64, f64) {
+        a.product_exact(b)
+    }
+    #[inline(always)]
+    fn angle_wide(opposite: f64, adjacent: f64) -> f64 {
+        opposite.angle(adjacent)
+    }
+    #[inline(always)]
+    fn erfcx_wide(x: f64) -> f64 {
+        erfcx_chebyshev(x, &ERFCX)
     }
     #[inline(always)]
     fn unit_circle(self) -> (Self, Self) {
         let (quarter, rest) = quarter_turns(self);
         circle(quarter, rest, &SINE, &COSINE)
-    }
-}
-
-/// Chebyshev coefficients of (1+2x)·exp(x²)·erfc(x) in u = (x−3.75)/(x+3.75), computed with 50 digits.
-///
-/// The variable is that of Shepherd & Laframboise 1981, "Chebyshev approximation of (1+2x)exp(x²)erfc x in 0 ≤ x < ∞".
-/// 25 coefficients leave an error below 4e-18, the first 13 one below 7e-9.
-const ERFCX: [f64; 25] = [
-    1.177_578_934_567_401_754_1,
-    -0.004_590_054_580_646_477_330_9,
-    -0.084_249_133_366_517_915_584,
-    0.059_209_939_998_191_890_498,
-    -0.026_658_668_435_305_752_277,
-    0.009_074_997_670_705_265_093_9,
-    -0.002_413_163_540_417_608_191_1,
-    0.000_490_775_836_525_808_632_29,
-    -0.000_069_169_733_025_012_063_671,
-    4.139_027_986_073_010_167_5e-6,
-    7.740_383_066_198_490_668_6e-7,
-    -2.188_640_104_923_439_546_1e-7,
-    1.076_499_946_591_036_107_7e-8,
-    4.521_959_811_218_286_897_9e-9,
-    -7.754_400_208_831_351_106_5e-10,
-    -6.318_088_340_886_684_494_5e-11,
-    2.868_795_010_930_669_898_1e-11,
-    1.945_586_854_577_734_723e-13,
-    -9.654_696_748_433_438_905_9e-13,
-    3.252_548_148_148_739_841_5e-14,
-    3.347_811_948_286_805_387_8e-14,
-    -1.864_562_880_419_313_101_4e-15,
-    -1.250_795_053_068_864_708_4e-15,
-    7.418_235_256_624_043_466_7e-17,
-    5.068_148_904_796_111_313_2e-17,
-];
-
-/// The coefficients that single precision needs.
-const ERFCX_SINGLE: [f32; 13] = {
-    let mut single = [0.0; 13];
-    let mut i = 0;
-    while i < single.len() {
-        single[i] = ERFCX[i] as f32;
-        i += 1;
-    }
-    single
-};
-
-/// Clenshaw's sum of the series above, divided by (1+2x).
-#[inline(always)]
-fn erfcx_chebyshev<R: Real>(x: R, coefficients: &[R]) -> R {
-    let k = R::from_f64(3.75);
-    // At x = ∞ the quotient would be NaN; u → 1 there.
-    let u = R::select(x.lt(R::from_f64(1e30)), (x - k) / (x + k), R::ONE);
-    let (mut b1, mut b2) = (R::ZERO, R::ZERO);
-    for &c in coefficients[1..].iter().rev() {
-        (b1, b2) = (R::TWO * u * b1 - b2 + c, b1);
-    }
-    (u * b1 - b2 + coefficients[0]) / (R::ONE + R::TWO * x)
-}
-
-/// The Taylor coefficients (−1)ʲ(π/2)²ʲ⁺¹/(2j+1)! of sin(πr/2)/r in r². On |r| ≤ 1/2 nine leave an error below 1e-19 of
-/// the sine, the first five one of 2.5e-9.
-const SINE: [f64; 9] = [
-    core::f64::consts::FRAC_PI_2,
-    -0.645_964_097_506_246_253_66,
-    0.079_692_626_246_167_045_121,
-    -0.004_681_754_135_318_688_100_7,
-    0.000_160_441_184_787_359_821_87,
-    -3.598_843_235_212_085_340_5e-6,
-    5.692_172_921_967_926_811_8e-8,
-    -6.688_035_109_811_467_232_5e-10,
-    6.066_935_731_106_195_667_1e-12,
-];
-
-/// The Taylor coefficients (−1)ʲ(π/2)²ʲ/(2j)! of cos(πr/2) in r². Nine leave an error below 3e-18, the first six 1.2e-10.
-const COSINE: [f64; 9] = [
-    1.0,
-    -1.233_700_550_136_169_827_4,
-    0.253_669_507_901_048_013_64,
-    -0.020_863_480_763_352_960_873,
-    0.000_919_260_274_839_426_580_24,
-    -0.000_025_202_042_373_060_605_481,
-    4.710_874_778_818_171_503_7e-7,
-    -6.386_603_083_791_852_241_1e-9,
-    6.565_963_114_979_472_362_2e-11,
-];
-
-/// The nearest quarter to a turn in [0, 1], and what is left of the turn in quarters, in [−1/2, 1/2]: both exact.
-#[inline(always)]
-fn quarter_turns(turn: f64) -> (u32, f64) {
-    let quarters = 4.0 * turn.saturate();
-    let nearest = (quarters + 0.5) as u32;
-    (nearest, quarters - f64::from(nearest))
-}
-
-/// cos and sin of a quarter turn and a rest, from the series of the rest.
-#[inline(always)]
-fn circle<R: Real>(quarter: u32, rest: R, sine: &[R], cosine: &[R]) -> (R, R) {
-    let square = rest * rest;
-    let horner = |series: &[R]| series.iter().rev().fold(R::ZERO, |sum, c| sum * square + *c);
-    let (c, s) = (horner(cosine), rest * horner(sine));
-    match quarter & 3 {
-        0 => (c, s),
-        1 => (-s, c),
-        2 => (-c, -s),
-        _ => (s, -c),
     }
 }
 

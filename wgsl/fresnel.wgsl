@@ -46,7 +46,8 @@ fn refracted_square(cos_i: f32, eta: f32) -> f32 {
 fn conductor(cos_i: f32, n: f32, k: f32) -> Fresnel {
     let c = cos_i;
     let e_one = (n - 1.0) * (n + 1.0) - k * k;
-    let re = e_one + c * c;
+    // e_one+c², which vanishes at the critical angle of k = 0.
+    let re = refracted_square(c, n) - k * k;
     let nk = n * k;
     let modulus = sqrt(re * re + 4.0 * nk * nk);
     let larger = sqrt(0.5 * (modulus + abs(re)));
@@ -121,7 +122,7 @@ fn lazanyi_uncorrected(cos_i: f32, n: f32, k: f32) -> f32 {
 fn lazanyi(cos_i: f32, n: f32, k: f32, a: f32, exponent: f32) -> f32 {
     let inside = cos_i < 1.0;
     let power = select(0.0, exp(exponent * real::ln_one_plus(select(0.0, -cos_i, inside))), inside);
-    return lazanyi_uncorrected(cos_i, n, k) - a * cos_i * power;
+    return max(lazanyi_uncorrected(cos_i, n, k) - a * cos_i * power, 0.0);
 }
 
 // Schlick's approximation with a tint at 82°.
@@ -131,5 +132,5 @@ fn f82_tint(cos_i: f32, f0: f32, tint: f32) -> f32 {
     // (6/7)⁵ and 1/(1/7·(6/7)⁶).
     let dip = (f0 + (1.0 - f0) * (7776.0 / 16807.0)) * (1.0 - tint) * (823543.0 / 46656.0);
     let base = f0 + (1.0 - f0) * (q_squared * q_squared * q);
-    return base - dip * cos_i * (q_squared * q_squared * q_squared);
+    return max(base - dip * cos_i * (q_squared * q_squared * q_squared), 0.0);
 }

@@ -51,10 +51,11 @@ fn projected_area_beckmann(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
     let y = alpha_y * w.y;
     let s = sqrt(x * x + y * y);
     // From a = 7 on Lambda is below the precision.
-    let tilted = w.z < 7.0 * s;
-    let a = select(0.0, w.z, tilted) / select(1.0, s, tilted);
-    let lambda = 0.5 * exp(-(a * a)) * (s * 0.56418958354775628695 - w.z * real::erfcx(a));
-    return w.z + select(0.0, lambda, tilted);
+    let z = max(w.z, 0.0);
+    let tilted = z < 7.0 * s;
+    let a = select(0.0, z, tilted) / select(1.0, s, tilted);
+    let lambda = 0.5 * exp(-(a * a)) * (s * 0.56418958354775628695 - z * real::erfcx(a));
+    return z + select(0.0, lambda, tilted);
 }
 
 // Kelemen & Szirmay-Kalos 2001: V = 1/|wi+wo|².
