@@ -41,16 +41,27 @@ pub use program::{Buffers, Cell, MOST_WAYS, Program};
 
 use crate::shader::{Module, ShaderError};
 
-/// A function of two numbers whose two results are a rounded value and its rounding error, whose sum is exact.
+/// A method of [`Real`](crate::Real) that a function of the shader is known to stand for.
 ///
-/// Interval arithmetic cannot see that the errors cancel. A function that is known to do this (twins are tested for it on
-/// every adapter) stands for the exact transformation.
+/// A call of such a function becomes the method. Interval arithmetic cannot see that the two halves of an error-free
+/// transformation cancel, and in double precision a polynomial good to f32 is a formula of its own: what such functions
+/// do is tested by themselves, and not again in everything that calls them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ErrorFree {
-    /// [`Real::sum_exact`](crate::Real::sum_exact).
-    Sum,
-    /// [`Real::product_exact`](crate::Real::product_exact).
-    Product,
+pub enum Known {
+    /// [`Real::sum_exact`](crate::Real::sum_exact), two results.
+    SumExact,
+    /// [`Real::product_exact`](crate::Real::product_exact), two results.
+    ProductExact,
+    /// [`Real::exp_product`](crate::Real::exp_product).
+    ExpProduct,
+    /// [`Real::ln_one_plus`](crate::Real::ln_one_plus).
+    LnOnePlus,
+    /// [`Real::angle`](crate::Real::angle).
+    Angle,
+    /// [`Real::erfcx`](crate::Real::erfcx).
+    Erfcx,
+    /// [`Real::unit_circle`](crate::Real::unit_circle), two results.
+    UnitCircle,
 }
 
 /// A WGSL module to evaluate, as written or in double precision.

@@ -6,7 +6,7 @@ use super::layout::Kind;
 use super::lower::Lowering;
 use super::machine::{MOST_LANES, Machine, Shared};
 use super::number::Number;
-use super::{ErrorFree, Shader};
+use super::{Known, Shader};
 use crate::shader::{Scalar, ShaderError, Signature};
 use std::collections::{BTreeMap, VecDeque};
 
@@ -76,17 +76,17 @@ impl<N: Number> Program<N> {
     /// A function that is missing or has other types than 32-bit scalars, as [`crate::shader::Module::function`]; a part of
     /// WGSL that is not supported, with its place.
     pub fn new(shader: &Shader, function: &str) -> Result<Self, InterpError> {
-        Self::with_error_free(shader, function, &[])
+        Self::with_known(shader, function, &[])
     }
 
     /// As [`Program::new`], where functions of these names are error-free transformations.
     ///
     /// # Errors
     /// Those of [`Program::new`].
-    pub fn with_error_free(
+    pub fn with_known(
         shader: &Shader,
         function: &str,
-        known: &[(String, ErrorFree)],
+        known: &[(String, Known)],
     ) -> Result<Self, InterpError> {
         let signature = shader.written().function(function)?;
         let ir = shader.module.ir();

@@ -13,7 +13,7 @@ use super::error::InterpError;
 use super::layout::{Kind, Layout};
 use super::number::Number;
 use super::words::{Word1, Word2};
-use super::{ErrorFree, Shader};
+use super::{Known, Shader};
 use naga::{Expression, Function, Handle, Span, TypeInner};
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -64,7 +64,7 @@ pub(super) struct Lowering<'a, N: Number> {
     info: &'a naga::valid::ModuleInfo,
     layout: Layout<'a>,
     written_layout: Layout<'a>,
-    error_free: &'a [(String, ErrorFree)],
+    known: &'a [(String, Known)],
     /// Workgroup memory is seen by all lanes: they are one workgroup.
     is_group: bool,
     code: Code<N>,
@@ -102,9 +102,9 @@ impl<'a, N: Number> Lowering<'a, N> {
     pub(super) fn function(
         shader: &'a Shader,
         handle: Handle<Function>,
-        error_free: &'a [(String, ErrorFree)],
+        known: &'a [(String, Known)],
     ) -> Result<Code<N>, InterpError> {
-        let mut lowering = Lowering::new(shader, error_free, false);
+        let mut lowering = Lowering::new(shader, known, false);
         let callee = lowering.callee((handle, Vec::new()))?;
         let mut arguments = Vec::new();
         for parameter in &callee.parameters {
@@ -128,9 +128,9 @@ impl<'a, N: Number> Lowering<'a, N> {
     pub(super) fn entry_point(
         shader: &'a Shader,
         index: usize,
-        error_free: &'a [(String, ErrorFree)],
+        known: &'a [(String, Known)],
     ) -> Result<Code<N>, InterpError> {
-        let mut lowering = Lowering::new(shader, error_free, true);
+        let mut lowering = Lowering::new(shader, known, true);
         let module = lowering.module;
         let entry = &module.entry_points[index];
         if entry.stage != naga::ShaderStage::Compute {
@@ -180,7 +180,7 @@ impl<'a, N: Number> Lowering<'a, N> {
         Ok(lowering.code)
     }
 
-    fn new(shader: &'a Shader, error_free: &'a [(String, ErrorFree)], is_group: bool) -> Self {
+    fn new(shader: &'a Shader, known: &'a [(String, Known)], is_group: bool) -> Self {
         let module = shader.module.ir();
         Lowering {
             shader,
@@ -188,7 +188,7 @@ impl<'a, N: Number> Lowering<'a, N> {
             info: shader.module.info(),
             layout: Layout::new(module),
             written_layout: Layout::new(shader.written().ir()),
-            error_free,
+            known,
             is_group,
             code: Code {
                 routines: Vec::new(),

@@ -1,9 +1,9 @@
 //! Statements: control flow, calls, stores, atomics.
 
-use super::super::code::{Atomic, Block, Case, Instruction, Slot, Step};
+use super::super::code::{Atomic, Block, Case, Instruction, Real1, Real2, Slot, Step};
 use super::super::error::InterpError;
 use super::super::number::Number;
-use super::super::{ErrorFree, words};
+use super::super::{Known, words};
 use super::{Lowering, Parameter, Scope, Value};
 use naga::{AtomicFunction, Expression, Handle, ScalarKind, Statement, SwitchValue, TypeInner};
 use std::rc::Rc;
@@ -134,7 +134,7 @@ impl<'a, N: Number> Lowering<'a, N> {
         arguments: &[Handle<Expression>],
         result: Option<Handle<Expression>>,
     ) -> Result<(), InterpError> {
-        if let Some(pair) = self.error_free_pair(scope, function, arguments)? {
+        if let Some(pair) = self.known_function(scope, function, arguments)? {
             if let Some(result) = result {
                 scope.values[result.index()] = Some(Value::Data(pair));
             }
@@ -178,31 +178,61 @@ impl<'a, N: Number> Lowering<'a, N> {
         Ok(())
     }
 
-    /// The two results of a function that stands for an error-free transformation.
-    fn error_free_pair(
+    /// The results of a function that stands for a method of `Real`.
+    fn known_function(
         &mut self,
         scope: &mut Scope<'a, N>,
         function: Handle<naga::Function>,
         arguments: &[Handle<Expression>],
     ) -> Result<Option<Rc<[Slot]>>, InterpError> {
         let name = self.module.functions[function].name.as_deref();
-        let Some((_, kind)) = self.error_free.iter().find(|(known, _)| Some(known.as_str()) == name) else {
+        let Some((_, kind)) = self.known.iter().find(|(known, _)| Some(known.as_str()) == name) else {
             return Ok(None);
         };
-        let [a, b] = arguments else { return Ok(None) };
-        let (a, b) = (self.data(scope, *a)?, self.data(scope, *b)?);
-        let ([Slot::Real(a)], [Slot::Real(b)]) = (a.as_ref(), b.as_ref()) else { return Ok(None) };
-        let (rounded, error) = match kind {
-            ErrorFree::Sum => (
-                self.real2(scope, |o, a, b| words::zip(o, a, b, |a, b| a.sum_exact(b).0), *a, *b)?,
-                self.real2(scope, |o, a, b| words::zip(o, a, b, |a, b| a.sum_exact(b).1), *a, *b)?,
-            ),
-            ErrorFree::Product => (
-                self.real2(scope, |o, a, b| words::zip(o, a, b, |a, b| a.product_exact(b).0), *a, *b)?,
-                self.real2(scope, |o, a, b| words::zip(o, a, b, |a, b| a.product_exact(b).1), *a, *b)?,
-            ),
+        let mut columns = Vec::with_capacity(arguments.len());
+        for argument in arguments {
+            match self.data(scope, *argument)?.as_ref() {
+                [Slot::Real(column)] => columns.push(*column),
+                _ => return Ok(None),
+            }
+        }
+        let one: &[Real1<N>] = match kind {
+            Known::LnOnePlus => &[|o, a| words::map(o, a, N::ln_one_plus)],
+            Known::Erfcx => &[|o, a| words::map(o, a, N::erfcx)],
+            Known::UnitCircle => {
+                &[|o, a| words::map(o, a, |a| a.unit_circle().0), |o, a| words::map(o, a, |a| a.unit_circle().1)]
+            }
+            _ => &[],
         };
-        Ok(Some(Rc::from([Slot::Real(rounded), Slot::Real(error)])))
+        let two: &[Real2<N>] = match kind {
+            Known::SumExact => &[
+                |o, a, b| words::zip(o, a, b, |a, b| a.sum_exact(b).0),
+                |o, a, b| words::zip(o, a, b, |a, b| a.sum_exact(b).1),
+            ],
+            Known::ProductExact => &[
+                |o, a, b| words::zip(o, a, b, |a, b| a.product_exact(b).0),
+                |o, a, b| words::zip(o, a, b, |a, b| a.product_exact(b).1),
+            ],
+            Known::ExpProduct => &[|o, a, b| words::zip(o, a, b, N::exp_product)],
+            Known::Angle => &[|o, a, b| words::zip(o, a, b, N::angle)],
+            _ => &[],
+        };
+        let mut results = Vec::with_capacity(2);
+        match columns.as_slice() {
+            [a] => {
+                for f in one {
+                    results.push(Slot::Real(self.real1(scope, *f, *a)?));
+                }
+            }
+            [a, b] => {
+                for f in two {
+                    results.push(Slot::Real(self.real2(scope, *f, *a, *b)?));
+                }
+            }
+            _ => {}
+        }
+        // A function of that name with other parameters is its own.
+        Ok((!results.is_empty()).then(|| Rc::from(results)))
     }
 
     fn atomic(
