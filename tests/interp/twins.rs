@@ -1,89 +1,79 @@
-//! The twins in double precision against the Rust functions in double precision.
+//! The twins: what their text means in double precision, and the tolerance that it gives itself.
 
-use brdf::gpu::{STACK_BINDINGS, layer_bytes};
-use brdf::interval::WgslInterval;
-use brdf::parity::{Draw, Twin, layers, twins};
-use brdf::shader::Scalar;
-use brdf::shader::interp::{Buffers, Cell, Known, Program, Shader};
+use brdf::parity::{Draw, Twin, allowed, compare_meaning, layers, twins};
+use brdf::interval::{Wgsl, WgslInterval};
 use brdf::wgsl;
 
-const SAMPLES: u64 = 4_000;
+const SAMPLES: usize = 4_000;
 
-/// The text of a twin with all that it needs.
 fn linked(twin: &Twin) -> String {
-    let source = wgsl::link_function(twin.module, twin.function).expect("a library function links");
-    if source.contains("stack_layer(") { format!("{source}\n{STACK_BINDINGS}") } else { source }
-}
-
-fn buffers() -> Buffers {
-    Buffers::new().with(0, 3, layer_bytes(layers()))
-}
-fn known() -> Vec<(String, Known)> {
-    [("sum_exact", Known::SumExact), ("product_exact", Known::ProductExact), 
-     ("ln_one_plus", Known::LnOnePlus), ("angle", Known::Angle), ("erfcx", Known::Erfcx), ("unit_circle", Known::UnitCircle)].into_iter().map(|(n, k)| (wgsl::mangled("real", n), k)).collect()
+    wgsl::link_function(twin.module, twin.function).expect("a library function links")
 }
 
 #[test]
-fn explore() {
+fn twins_mean_what_the_functions_say() {
     for twin in twins() {
-        let source = linked(&twin).replace("87.0", "708.0");
-        let shader = Shader::in_double(&source).unwrap_or_else(|error| panic!("{}::{}: {error}\n{source}", twin.module, twin.function));
-        let program: Program<f64> = match Program::with_known(&shader, &wgsl::mangled(twin.module, twin.function), &known()[2..]) { Ok(p) => p, Err(e) => { println!("{}::{} {e}", twin.module, twin.function); continue; } };
-        let leaves = program.signature().expect("a plain function").inputs();
-        let rows: Vec<Vec<f64>> = (0..SAMPLES).map(|index| (twin.sample)(&mut Draw::new(index)).into_iter().map(|x| f64::from(x as f32)).collect()).collect();
-        let cells: Vec<Cell<f64>> = rows.iter().flat_map(|row| row.iter().zip(&leaves).map(|(value, leaf)| match leaf.scalar {
-            Scalar::F32 => Cell::Real(*value),
-            _ => Cell::Word(*value as u32),
-        })).collect();
-        let start = std::time::Instant::now();
-        let results = match program.run(&cells, &mut buffers()) { Ok(r) => r, Err(e) => { println!("{}::{} {e}", twin.module, twin.function); continue; } };
-        let seconds = start.elapsed().as_secs_f64();
-        let width = results.len() / rows.len();
-        let mut worst = (0.0, Vec::new(), 0.0, 0.0);
-        for (row, got) in rows.iter().zip(results.chunks(width)) {
-            let want = (twin.double)(row);
-            for (got, want) in got.iter().zip(want) {
-                let Cell::Real(got) = got else { panic!() };
-                let error = (got - want).abs() / want.abs().max(1e-300);
-                if error > worst.0 || !error.is_finite() && *got != want { worst = (error, row.clone(), *got, want); }
-            }
-        }
-        if worst.0 > 1e-15 { println!("{:>12}::{:28} {:9.2e} {:7.1} ns/row  {:?}", twin.module, twin.function, worst.0, 1e9 * seconds / rows.len() as f64, (worst.1, worst.2, worst.3)); }
+        let name = format!("{}::{}", twin.module, twin.function);
+        let meaning = compare_meaning(&twin, &linked(&twin), SAMPLES).unwrap_or_else(|error| panic!("{name}: {error}"));
+        println!("{name:40} {:9.2e} {:9.3}", meaning.relative, meaning.share);
+        assert_eq!(meaning.misunderstood, 0, "{name}: {meaning:?}");
     }
 }
 
+/// The digits that f32 barely shows: only the meaning in double precision can tell.
 #[test]
-fn explore_intervals() {
-    for twin in twins() {
-      for n in [2, 6] {
+fn a_digit_changes_the_meaning() {
+    let faults = [
+        ("fresnel", "f82_tint", "7776.0 / 16807.0", "7776.0 / 16807.01"),
+        ("distribution", "ggx", "const pi: f32 = 3.14159265358979324", "const pi: f32 = 3.14159275358979324"),
+        ("distribution", "beckmann", "3.14159265358979324", "3.14159255358979324"),
+        ("diffuse", "lambert", "0.318309886183790672", "0.318309986183790672"),
+        ("diffuse", "oren_nayar", "0.09)", "0.09000001)"),
+        ("masking", "smith_beckmann", "0.56418958354775628695", "0.56418968354775628695"),
+        ("real", "angle", "-0.33333276292", "-0.33333286292"),
+        ("real", "ln_one_plus", "1.0 / 5.0", "1.0000001 / 5.0"),
+        ("real", "unit_circle", "0.645964097506246254", "0.645964197506246254"),
+        ("real", "erfcx", "0.059209939998191890498", "0.059210039998191890498"),
+        // Longer formulas, and clamps that are gone.
+        ("distribution", "ggx", "s + alpha * alpha * z_squared", "s + z_squared - (1.0 - alpha * alpha) * z_squared - 1e-9"),
+        ("absorption", "transmittance", "sigma <= 0.0 || thickness <= 0.0", "sigma < 0.0 || thickness < 0.0"),
+        ("masking", "v_cavity", "min(", "max("),
+    ];
+    for (module, function, right, wrong) in faults {
+        let twin = twins().into_iter().find(|twin| (twin.module, twin.function) == (module, function));
+        let twin = twin.unwrap_or_else(|| panic!("{module}::{function} is in the table"));
         let source = linked(&twin);
-        let shader = Shader::in_double(&source).unwrap_or_else(|error| panic!("{}::{}: {error}\n{source}", twin.module, twin.function));
-        let program: Program<WgslInterval> = match Program::with_known(&shader, &wgsl::mangled(twin.module, twin.function), &known()[..n]) { Ok(p) => p, Err(e) => { println!("{}::{} {e}", twin.module, twin.function); continue; } };
-        let leaves = program.signature().expect("a plain function").inputs();
-        let rows: Vec<Vec<f64>> = (0..SAMPLES).map(|index| (twin.sample)(&mut Draw::new(index)).into_iter().map(|x| f64::from(x as f32)).collect()).collect();
-        let cells: Vec<Cell<WgslInterval>> = rows.iter().flat_map(|row| row.iter().zip(&leaves).map(|(value, leaf)| match leaf.scalar {
-            Scalar::F32 => Cell::Real(WgslInterval::exactly(*value as f32)),
-            _ => Cell::Word(*value as u32),
-        })).collect();
-        let start = std::time::Instant::now();
-        let results = match program.run(&cells, &mut buffers()) { Ok(r) => r, Err(e) => { println!("{}::{} {e}", twin.module, twin.function); continue; } };
-        let seconds = start.elapsed().as_secs_f64();
-        let width = results.len() / rows.len();
-        let (mut free, mut free_rust) = (0, 0);
-        let mut ratios = Vec::new();
-        for (row, got) in rows.iter().zip(results.chunks(width)) {
-            let points: Vec<_> = row.iter().map(|x| WgslInterval::exactly(*x as f32)).collect();
-            let want = (twin.allowed)(&points);
-            for (got, want) in got.iter().zip(want) {
-                let Cell::Real(got) = got else { panic!() };
-                free += usize::from(!got.is_bounded());
-                free_rust += usize::from(!want.is_bounded());
-                if got.is_bounded() && want.is_bounded() { ratios.push((got.high() - got.low()).max(1e-300) / (want.high() - want.low()).max(1e-300)); }
+        assert!(source.contains(right), "{module}::{function} contains `{right}`:\n{source}");
+        let meaning = compare_meaning(&twin, &source.replacen(right, wrong, 1), SAMPLES).expect("valid WGSL");
+        println!("{module}::{function} {wrong}: {} {:e}", meaning.misunderstood, meaning.share);
+        assert!(meaning.misunderstood > 0, "{module}::{function} with `{wrong}` means the same: {meaning:?}");
+    }
+}
+
+/// The tolerance from the text and the one from the Rust function of the same shape.
+#[test]
+fn the_text_is_no_vaguer_than_the_formula() {
+    for twin in twins().iter().filter(|twin| twin.judge == brdf::parity::Judge::Allowed) {
+        let name = format!("{}::{}", twin.module, twin.function);
+        let rows: Vec<Vec<f32>> = (0..SAMPLES as u64)
+            .map(|index| (twin.sample)(&mut Draw::new(index)).into_iter().map(|x| x as f32).collect())
+            .collect();
+        let text = allowed::<Wgsl>(twin, &linked(twin), &rows, layers()).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let (mut free, mut ratios) = ([0, 0], Vec::new());
+        for (row, text) in rows.iter().zip(&text) {
+            let points: Vec<_> = row.iter().map(|x| WgslInterval::exactly(*x)).collect();
+            for (text, formula) in text.iter().zip((twin.allowed)(&points)) {
+                free[0] += usize::from(!text.is_bounded());
+                free[1] += usize::from(!formula.is_bounded());
+                let width = |interval: WgslInterval| interval.high() - interval.low();
+                if text.is_bounded() && formula.is_bounded() && width(formula) > 0.0 {
+                    ratios.push(width(*text) / width(formula));
+                }
             }
         }
         ratios.sort_by(f64::total_cmp);
-        let at = |p: f64| ratios.get(((ratios.len() as f64 - 1.0) * p) as usize).copied().unwrap_or(0.0);
-        println!("{:>12}::{:28} {n} free {:5} {:5}  width ratio median {:.3} 99% {:.3} max {:.3e} min {:.3} {:7.1} ns/row", twin.module, twin.function, free, free_rust, at(0.5), at(0.99), at(1.0), at(0.0), 1e9 * seconds / rows.len() as f64);
-      }
+        let median = ratios.get(ratios.len() / 2).copied().unwrap_or(1.0);
+        println!("{name:40} median width {median:.3} of the formula's, free {free:?}");
+        assert!(median < 1.2, "{name}: {median}");
     }
 }
