@@ -5,10 +5,10 @@
 //! be what the Rust function says. Neither needs an adapter.
 
 use super::table::Twin;
-use crate::gpu::{GpuError, STACK_BINDINGS, layer_bytes};
+use crate::gpu::{GpuError, STACK_BINDINGS};
 use crate::interval::{AccuracyTable, Interval, WgslInterval};
-use crate::layered::Layer;
-use crate::shader::Scalar;
+use crate::layered::{Interface, Layer, Medium};
+use crate::shader::{STORAGE_BINDING, Scalar};
 use crate::shader::interp::{Buffers, Cell, InterpError, Known, Number, Program, Shader};
 use crate::wgsl;
 
@@ -28,14 +28,14 @@ const APPROXIMATIONS: [(&str, Known, f64); 4] = [
 ];
 
 /// Constants that belong to the number type, in WGSL and in double precision: `Real::EXP_LIMIT` and √`Real::EPSILON`, the
-/// largest number below 1, the limits of `src/walk/path.rs` (1e75 there; here as large as f32 has it) and
+/// largest number below 1, the limits of `src/walk/path.rs` (1e75 there; its square must be an f32 here) and
 /// `src/walk/interface.rs`.
 const OF_THE_PRECISION: [(&str, &str); 6] = [
     ("exp_limit: f32 = 87.0", "exp_limit: f32 = 708.0"),
     ("a * b <= 87.0", "a * b <= 708.0"),
     ("least_alpha: f32 = 1e-3", "least_alpha: f32 = 0.0"),
     ("matched_below: f32 = 3.4526698e-4", "matched_below: f32 = 1.4901161193847656e-8"),
-    ("largest_root: f32 = 1e9", "largest_root: f32 = 1e37"),
+    ("largest_root: f32 = 1e9", "largest_root: f32 = 1.8e19"),
     ("_below_one: f32 = 0x1.fffffep-1", "_below_one: f32 = 0x1.fffffffffffffp-1"),
 ];
 
@@ -52,7 +52,7 @@ pub fn allowed<T: AccuracyTable>(
     // The error-free transformations alone: that they are exact is tested on every adapter.
     let known = [("sum_exact", Known::SumExact), ("product_exact", Known::ProductExact)];
     let known = known.map(|(name, known)| (wgsl::mangled("real", name), known));
-    evaluate(twin, source, &known, rows, layers, Interval::exactly).map_err(|error| failure(twin, &error))
+    evaluate(twin, source, &known, rows, exact(layers), |x| Interval::exactly(x as f32)).map_err(|error| failure(twin, &error))
 }
 
 /// The value of each row of arguments in double precision, from the text of a twin.
@@ -65,11 +65,7 @@ pub fn meaning(
     rows: &[Vec<f32>],
     layers: &[Layer<f32, 3>],
 ) -> Result<Vec<Vec<f64>>, GpuError> {
-    let known: Vec<_> =
-        APPROXIMATIONS.iter().map(|(name, known, _)| (wgsl::mangled("real", name), *known)).collect();
-    let of_single = |text: String, (single, double): &(&str, &str)| text.replace(single, double);
-    let source = OF_THE_PRECISION.iter().fold(source.to_owned(), of_single);
-    evaluate(twin, &source, &known, rows, layers, f64::from).map_err(|error| failure(twin, &error))
+    in_double(twin, source, rows, exact(layers))
 }
 
 /// How far a result in f64 is from the Rust function: as a share of what rounding may leave, and relatively.
@@ -92,36 +88,87 @@ fn failure(twin: &Twin, error: &InterpError) -> GpuError {
     GpuError::Arguments { function: twin.function.to_owned(), reason: error.to_string() }
 }
 
+/// The results of a twin's own text in f32 for rows of flat arguments: what an adapter computes, within what WGSL allows.
+///
+/// # Errors
+/// A text that cannot be evaluated.
+pub fn text_single(twin: &Twin, rows: &[Vec<f64>], layers: &[Layer<f64, 3>]) -> Result<Vec<Vec<f64>>, GpuError> {
+    let source = super::linked(twin)?;
+    let layers = layers.iter().map(|layer| layer.cast::<f32>().cast::<f64>());
+    let rows: Vec<Vec<f64>> = rows.iter().map(|row| row.iter().map(|x| f64::from(*x as f32)).collect()).collect();
+    let results = evaluate::<f32, _>(twin, &source, &[], &rows, layers, |x: f64| x as f32);
+    let double = |row: Vec<f32>| row.into_iter().map(f64::from).collect();
+    results.map(|rows| rows.into_iter().map(double).collect()).map_err(|error| failure(twin, &error))
+}
+
+/// The results of a twin's own text in f64.
+///
+/// Literals are exact; approximations and limits that belong to single precision are those of f64, as for [`meaning`].
+///
+/// # Errors
+/// A text that cannot be evaluated.
+pub fn text_double(twin: &Twin, rows: &[Vec<f64>], layers: &[Layer<f64, 3>]) -> Result<Vec<Vec<f64>>, GpuError> {
+    in_double(twin, &super::linked(twin)?, rows, layers.iter().copied())
+}
+
+fn in_double<T: Copy + Into<f64>>(
+    twin: &Twin,
+    source: &str,
+    rows: &[Vec<T>],
+    layers: impl Iterator<Item = Layer<f64, 3>>,
+) -> Result<Vec<Vec<f64>>, GpuError> {
+    let known: Vec<_> =
+        APPROXIMATIONS.iter().map(|(name, known, _)| (wgsl::mangled("real", name), *known)).collect();
+    let of_single = |text: String, (single, double): &(&str, &str)| text.replace(single, double);
+    let source = OF_THE_PRECISION.iter().fold(source.to_owned(), of_single);
+    evaluate(twin, &source, &known, rows, layers, |x| x).map_err(|error| failure(twin, &error))
+}
+
+fn exact(layers: &[Layer<f32, 3>]) -> impl Iterator<Item = Layer<f64, 3>> {
+    layers.iter().map(Layer::cast::<f64>)
+}
+
+/// A layer as `layered::Layer` of WGSL lists its numbers.
+fn numbers(layer: Layer<f64, 3>) -> Vec<f64> {
+    let one = [1.0; 3];
+    let (n, alpha, k, kind, albedo, deviation) = match layer.interface {
+        Interface::Microfacet { n, k, alpha } => (n, alpha, k, 0.0, [0.0; 3], 0.0),
+        Interface::Diffuse { albedo, sigma } => (one, 1.0, [0.0; 3], 1.0, albedo, sigma),
+    };
+    let Medium { sigma, thickness } = layer.medium;
+    [&n[..], &[alpha], &k, &[kind], &albedo, &[deviation], &sigma, &[thickness]].concat()
+}
+
 /// Runs a twin's text over rows of flat arguments.
-fn evaluate<N: Number>(
+fn evaluate<N: Number, T: Copy + Into<f64>>(
     twin: &Twin,
     source: &str,
     known: &[(String, Known)],
-    rows: &[Vec<f32>],
-    layers: &[Layer<f32, 3>],
-    number: impl Fn(f32) -> N,
+    rows: &[Vec<T>],
+    layers: impl Iterator<Item = Layer<f64, 3>>,
+    number: impl Fn(f64) -> N,
 ) -> Result<Vec<Vec<N>>, InterpError> {
     let reads_layers = source.contains("stack_layer(");
     let bindings = if reads_layers { STACK_BINDINGS } else { "" };
     let shader = Shader::in_double(&format!("{source}\n{bindings}"))?;
     let program = Program::<N>::with_known(&shader, &wgsl::mangled(twin.module, twin.function), known)?;
     let leaves = program.signature().map(|signature| signature.inputs()).unwrap_or_default();
-    let cell = |(value, scalar): (&f32, Scalar)| match scalar {
-        Scalar::F32 => Cell::Real(number(*value)),
-        Scalar::U32 | Scalar::Bool => Cell::Word(*value as u32),
-        Scalar::I32 => Cell::Word((*value as i32).cast_unsigned()),
+    let cell = |(value, scalar): (&T, Scalar)| match (scalar, (*value).into()) {
+        (Scalar::F32, value) => Cell::Real(number(value)),
+        (Scalar::U32 | Scalar::Bool, value) => Cell::Word(value as u32),
+        (Scalar::I32, value) => Cell::Word((value as i32).cast_unsigned()),
     };
     let cells: Vec<_> =
         rows.iter().flat_map(|row| row.iter().zip(leaves.iter().map(|leaf| leaf.scalar)).map(cell)).collect();
     let mut buffers = Buffers::new();
     if reads_layers {
-        buffers = buffers.with(0, crate::shader::STORAGE_BINDING, layer_bytes(layers));
+        buffers = buffers.with_numbers(0, STORAGE_BINDING, layers.flat_map(numbers).collect());
     }
     let results = program.run(&cells, &mut buffers)?;
     let width = results.len() / rows.len().max(1);
     let real = |cell: &Cell<N>| match cell {
         Cell::Real(value) => *value,
-        Cell::Word(word) => number(*word as f32),
+        Cell::Word(word) => number(f64::from(*word)),
         Cell::Open => N::anything(),
     };
     Ok(results.chunks(width.max(1)).map(|row| row.iter().map(real).collect()).collect())

@@ -7,13 +7,13 @@
 //! * The adapter computes what the text allows: each result lies in the interval that the text itself gives under WGSL's
 //!   accuracy rules ([`WgslInterval`]). The tolerance is derived for each input and never tuned.
 //!
-//! [`allowed`] and [`meaning`] need no adapter.
+//! [`allowed`], [`meaning`] and [`compare_meaning`] need no adapter.
 
 mod derived;
 mod draw;
 mod table;
 
-pub use derived::{allowed, meaning};
+pub use derived::{allowed, meaning, text_double, text_single};
 pub use draw::Draw;
 pub use table::{Judge, Twin, layers, twins};
 

@@ -25,19 +25,18 @@ fn twins_mean_what_the_functions_say() {
 fn a_digit_changes_the_meaning() {
     let faults = [
         ("fresnel", "f82_tint", "7776.0 / 16807.0", "7776.0 / 16807.01"),
-        ("distribution", "ggx", "const pi: f32 = 3.14159265358979324", "const pi: f32 = 3.14159275358979324"),
+        ("distribution", "ggx", "3.14159265358979324", "3.14159275358979324"),
         ("distribution", "beckmann", "3.14159265358979324", "3.14159255358979324"),
         ("diffuse", "lambert", "0.318309886183790672", "0.318309986183790672"),
         ("diffuse", "oren_nayar", "0.09)", "0.09000001)"),
         ("masking", "smith_beckmann", "0.56418958354775628695", "0.56418968354775628695"),
         ("real", "angle", "-0.33333276292", "-0.33333286292"),
-        ("real", "ln_one_plus", "1.0 / 5.0", "1.0000001 / 5.0"),
+        ("real", "ln_one_plus", "1.0 / 3.0", "1.000001 / 3.0"),
         ("real", "unit_circle", "0.645964097506246254", "0.645964197506246254"),
         ("real", "erfcx", "0.059209939998191890498", "0.059210039998191890498"),
-        // Longer formulas, and clamps that are gone.
-        ("distribution", "ggx", "s + alpha * alpha * z_squared", "s + z_squared - (1.0 - alpha * alpha) * z_squared - 1e-9"),
-        ("absorption", "transmittance", "sigma <= 0.0 || thickness <= 0.0", "sigma < 0.0 || thickness < 0.0"),
-        ("masking", "v_cavity", "min(", "max("),
+        // Clamps that are gone.
+        ("patina", "patina_extent", "clamp(", "max(0.0 * extent, "),
+        ("refraction", "refract", "max(", "min("),
     ];
     for (module, function, right, wrong) in faults {
         let twin = twins().into_iter().find(|twin| (twin.module, twin.function) == (module, function));

@@ -7,10 +7,10 @@ use crate::failure::Failure;
 use crate::material::{self, AnyStack};
 use crate::term::{self, Field, Kind, Results, Term, read_fields};
 use brdf::Vector;
-use brdf::gpu::Gpu;
-use brdf::layered::Model;
+use brdf::gpu::{Gpu, GpuError};
+use brdf::layered::{Layer, Model};
 use brdf::layered::description::{Description, Node, Value as Leaf};
-use brdf::parity::{Twin, map_twin, twins};
+use brdf::parity::{Twin, map_twin, text_double, text_single, twins};
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -35,6 +35,10 @@ enum Mode {
     F32,
     /// The Rust functions in double precision.
     F64,
+    /// The WGSL twins evaluated on the CPU in single precision.
+    Wgsl,
+    /// The WGSL twins evaluated on the CPU in double precision.
+    Wgsl64,
     /// The WGSL twins on an adapter.
     Gpu,
 }
@@ -52,7 +56,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
     // An adapter that is missing is said before any input is waited for.
     let gpu = match options.mode {
         Mode::Gpu => Some(Gpu::open(options.adapter.as_deref())?),
-        Mode::F32 | Mode::F64 => None,
+        _ => None,
     };
     let (mut questions, mut objects) = (Vec::new(), Vec::new());
     let mut bad_lines = 0;
@@ -78,9 +82,11 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
         }
         objects.push(object);
     }
-    let answers = match gpu {
-        Some(gpu) => on_adapter(&gpu, &questions)?,
-        None => questions.iter().map(|(_, question)| on_cpu(question, options.mode)).collect(),
+    let answers = match (gpu, options.mode) {
+        (Some(gpu), _) => by_twin(&questions, |twin, rows, layers| on_adapter(&gpu, twin, rows, layers))?,
+        (None, Mode::Wgsl) => by_twin(&questions, text_single)?,
+        (None, Mode::Wgsl64) => by_twin(&questions, text_double)?,
+        (None, _) => questions.iter().map(|(_, question)| on_cpu(question, options.mode)).collect(),
     };
     for ((index, _), results) in questions.iter().zip(answers) {
         objects[*index].extend(results.into_iter().map(|(name, value)| (name.to_owned(), value)));
@@ -178,8 +184,25 @@ fn twin((module, function): (&str, &str)) -> Twin {
     all[position.expect("every term has a twin")]
 }
 
-/// Answers all questions on an adapter, one run for each function.
-fn on_adapter(gpu: &Gpu, questions: &[(usize, Question)]) -> Result<Vec<Results>, Failure> {
+/// The results of a twin on an adapter.
+fn on_adapter(
+    gpu: &Gpu,
+    twin: &Twin,
+    rows: &[Vec<f64>],
+    layers: &[Layer<f64, 3>],
+) -> Result<Vec<Vec<f64>>, GpuError> {
+    let rows: Vec<Vec<f32>> = rows.iter().map(|row| row.iter().map(|x| *x as f32).collect()).collect();
+    let layers: Vec<Layer<f32, 3>> = layers.iter().map(Layer::cast).collect();
+    let outputs = map_twin(gpu, twin, &rows, &layers)?;
+    let row = |values: &[f32]| values.iter().map(|x| f64::from(*x)).collect();
+    Ok(outputs.values.chunks_exact(outputs.names.len()).map(row).collect())
+}
+
+/// Answers all questions by the WGSL twins, one run for each function.
+fn by_twin(
+    questions: &[(usize, Question)],
+    run: impl Fn(&Twin, &[Vec<f64>], &[Layer<f64, 3>]) -> Result<Vec<Vec<f64>>, GpuError>,
+) -> Result<Vec<Results>, Failure> {
     let mut groups: BTreeMap<(&str, &str), Vec<usize>> = BTreeMap::new();
     for (index, (_, question)) in questions.iter().enumerate() {
         let function = match question {
@@ -194,22 +217,20 @@ fn on_adapter(gpu: &Gpu, questions: &[(usize, Question)]) -> Result<Vec<Results>
     let mut answers: Vec<Results> = vec![Vec::new(); questions.len()];
     for (function, members) in groups {
         let mut layers = Vec::new();
-        let rows: Vec<Vec<f32>> = members
+        let rows: Vec<Vec<f64>> = members
             .iter()
             .map(|index| match &questions[*index].1 {
-                Question::Term { term, fields } => (term.arguments)(fields).into_iter().map(|x| x as f32).collect(),
+                Question::Term { term, fields } => (term.arguments)(fields),
                 Question::Stack { stack, wi, wo, .. } => {
-                    let stack = stack.three_single();
-                    let range = [layers.len() as f32, stack.layers().len() as f32];
+                    let stack = stack.three();
+                    let range = [layers.len() as f64, stack.layers().len() as f64];
                     layers.extend_from_slice(stack.layers());
                     let directions = [wi.x, wi.y, wi.z, wo.x, wo.y, wo.z];
-                    range.into_iter().chain(directions.map(|x| x as f32)).collect()
+                    range.into_iter().chain(directions).collect()
                 }
             })
             .collect();
-        let outputs = map_twin(gpu, &twin(function), &rows, &layers)?;
-        for (index, values) in members.into_iter().zip(outputs.values.chunks_exact(outputs.names.len())) {
-            let values: Vec<f64> = values.iter().map(|x| f64::from(*x)).collect();
+        for (index, values) in members.into_iter().zip(run(&twin(function), &rows, &layers)?) {
             answers[index] = match &questions[index].1 {
                 Question::Term { term, fields } => (term.results)(fields, &values),
                 Question::Stack { stack, .. } => stack_results(&values[..stack.channels()]),

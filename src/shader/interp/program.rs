@@ -30,10 +30,16 @@ pub enum Cell<N> {
     Open,
 }
 
-/// The contents of a module's buffers, by group and binding, in WGSL's memory layout.
+/// The contents of a module's buffers, by group and binding.
 #[derive(Clone, Debug, Default)]
 pub struct Buffers {
-    bytes: BTreeMap<(u32, u32), Vec<u8>>,
+    contents: BTreeMap<(u32, u32), Content>,
+}
+
+#[derive(Clone, Debug)]
+enum Content {
+    Bytes(Vec<u8>),
+    Numbers(Vec<f64>),
 }
 
 impl Buffers {
@@ -42,15 +48,24 @@ impl Buffers {
         Buffers::default()
     }
 
-    /// With a buffer at a group and binding.
+    /// With a buffer at a group and binding, in WGSL's memory layout.
     pub fn with(mut self, group: u32, binding: u32, bytes: Vec<u8>) -> Self {
-        self.bytes.insert((group, binding), bytes);
+        self.contents.insert((group, binding), Content::Bytes(bytes));
         self
     }
 
-    /// The buffer at a group and binding.
+    /// With a buffer that is not rounded to f32: its scalars one after the other, without padding. It cannot be written.
+    pub fn with_numbers(mut self, group: u32, binding: u32, numbers: Vec<f64>) -> Self {
+        self.contents.insert((group, binding), Content::Numbers(numbers));
+        self
+    }
+
+    /// The bytes of the buffer at a group and binding.
     pub fn get(&self, group: u32, binding: u32) -> Option<&[u8]> {
-        self.bytes.get(&(group, binding)).map(Vec::as_slice)
+        match self.contents.get(&(group, binding)) {
+            Some(Content::Bytes(bytes)) => Some(bytes),
+            _ => None,
+        }
     }
 }
 
@@ -298,6 +313,16 @@ impl<N: Number> Program<N> {
             return Ok(shared);
         };
         let name = &memory.name;
+        if let Some(Content::Numbers(numbers)) = buffers.contents.get(&(group, binding)) {
+            if numbers.len() < memory.fixed.len() + memory.element.len() || memory.writable {
+                let reason = format!("`{name}`: {} numbers are too few, or the buffer is written", numbers.len());
+                return Err(InterpError::Arguments(reason));
+            }
+            shared.leaves = numbers.len();
+            shared.reals = numbers.iter().map(|number| N::from_f64(*number)).collect();
+            shared.words = numbers.iter().map(|number| *number as u32).collect();
+            return Ok(shared);
+        }
         let Some(bytes) = buffers.get(group, binding) else {
             let reason = format!("no buffer is given for `{name}`, group {group}, binding {binding}");
             return Err(InterpError::Arguments(reason));
@@ -329,7 +354,7 @@ impl<N: Number> Program<N> {
     fn write_back(&self, machine: &Machine<'_, N>, buffers: &mut Buffers) -> Result<(), InterpError> {
         for (memory, shared) in self.code.memories.iter().zip(&machine.shared) {
             let (Some(key), true) = (memory.binding, memory.writable) else { continue };
-            let Some(bytes) = buffers.bytes.get_mut(&key) else { continue };
+            let Some(Content::Bytes(bytes)) = buffers.contents.get_mut(&key) else { continue };
             let elements = runtime_elements(memory, bytes.len());
             for ((kind, offset), (real, word)) in offsets(memory, elements).zip(shared.reals.iter().zip(&shared.words)) {
                 let value = match kind {
