@@ -294,11 +294,7 @@ impl<T: AccuracyTable> Real for Interval<T> {
         // 2⁻²¹ absolute on [0.5, 2], elsewhere 3 ULP.
         let image = self.monotonic(T::LOG, Real::ln);
         let near = T::LOG_NEAR_ONE;
-        if self.low <= 2.0 && self.high >= 0.5 {
-            Self::new(image.low - near, image.high + near)
-        } else {
-            image
-        }
+        if self.low <= 2.0 && self.high >= 0.5 { Self::new(image.low - near, image.high + near) } else { image }
     }
     fn abs(self) -> Self {
         if self.low <= 0.0 && self.high >= 0.0 {
@@ -360,11 +356,7 @@ impl<T: AccuracyTable> Real for Interval<T> {
         let reach = (self.high - self.low).max(0.0) * core::f64::consts::PI;
         let around = |x: f64| {
             let wide = Self::rounded(x - reach, x + reach, 4.0);
-            if reach > 0.0 {
-                Self::new(wide.low.max(-1.0 - ULP), wide.high.min(1.0 + ULP))
-            } else {
-                wide
-            }
+            if reach > 0.0 { Self::new(wide.low.max(-1.0 - ULP), wide.high.min(1.0 + ULP)) } else { wide }
         };
         (around(c), around(s))
     }

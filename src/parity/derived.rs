@@ -8,8 +8,8 @@ use super::table::Twin;
 use crate::gpu::{GpuError, STACK_BINDINGS};
 use crate::interval::{AccuracyTable, Interval, WgslInterval};
 use crate::layered::{Interface, Layer, Medium};
-use crate::shader::{STORAGE_BINDING, Scalar};
 use crate::shader::interp::{Buffers, Cell, InterpError, Known, Number, Program, Shader};
+use crate::shader::{STORAGE_BINDING, Scalar};
 use crate::wgsl;
 
 /// The relative difference that two ways to round the same formula in f64 may leave.
@@ -52,7 +52,8 @@ pub fn allowed<T: AccuracyTable>(
     // The error-free transformations alone: that they are exact is tested on every adapter.
     let known = [("sum_exact", Known::SumExact), ("product_exact", Known::ProductExact)];
     let known = known.map(|(name, known)| (wgsl::mangled("real", name), known));
-    evaluate(twin, source, &known, rows, exact(layers), |x| Interval::exactly(x as f32)).map_err(|error| failure(twin, &error))
+    evaluate(twin, source, &known, rows, exact(layers), |x| Interval::exactly(x as f32))
+        .map_err(|error| failure(twin, &error))
 }
 
 /// The value of each row of arguments in double precision, from the text of a twin.
@@ -117,8 +118,7 @@ fn in_double<T: Copy + Into<f64>>(
     rows: &[Vec<T>],
     layers: impl Iterator<Item = Layer<f64, 3>>,
 ) -> Result<Vec<Vec<f64>>, GpuError> {
-    let known: Vec<_> =
-        APPROXIMATIONS.iter().map(|(name, known, _)| (wgsl::mangled("real", name), *known)).collect();
+    let known: Vec<_> = APPROXIMATIONS.iter().map(|(name, known, _)| (wgsl::mangled("real", name), *known)).collect();
     let of_single = |text: String, (single, double): &(&str, &str)| text.replace(single, double);
     let source = OF_THE_PRECISION.iter().fold(source.to_owned(), of_single);
     evaluate(twin, &source, &known, rows, layers, |x| x).map_err(|error| failure(twin, &error))

@@ -285,8 +285,7 @@ fn judge(twin: &Twin, reference: &Reference, rows: &[Vec<f32>], outputs: &Output
     let width = outputs.names.len();
     for (index, (row, got)) in rows.iter().zip(outputs.values.chunks_exact(width)).enumerate() {
         let exact: Vec<f64> = row.iter().map(|x| f64::from(*x)).collect();
-        let (want, allowed, meaning) =
-            (&reference.want[index], &reference.allowed[index], &reference.meaning[index]);
+        let (want, allowed, meaning) = (&reference.want[index], &reference.allowed[index], &reference.meaning[index]);
         let got: Vec<f64> = got.iter().map(|g| f64::from(*g)).collect();
         // The sum of an error-free pair is exact but for products of two roundings, in the interval's second part.
         let sum = |pair: &[f64]| vec![pair.iter().sum::<f64>()];

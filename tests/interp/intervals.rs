@@ -40,7 +40,10 @@ fn variables_of_open_branches_are_joined_and_do_not_leak() {
     );
     // 1·10+9 and 2·10+6, never 2·10+9.
     let result = one(&source, &[0.7]);
-    assert!(result.contains(19.0) && result.contains(26.0) && result.high() < 27.0 && result.low() > 18.0, "{result:?}");
+    assert!(
+        result.contains(19.0) && result.contains(26.0) && result.high() < 27.0 && result.low() > 18.0,
+        "{result:?}"
+    );
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The twins: what their text means in double precision, and the tolerance that it gives itself.
 
-use brdf::parity::{Draw, Twin, allowed, compare_meaning, layers, twins};
 use brdf::interval::{Wgsl, WgslInterval};
+use brdf::parity::{Draw, Twin, allowed, compare_meaning, layers, twins};
 use brdf::wgsl;
 
 const SAMPLES: usize = 4_000;
@@ -35,7 +35,12 @@ fn a_digit_changes_the_meaning() {
         ("real", "unit_circle", "0.645964097506246254", "0.645964197506246254"),
         ("real", "erfcx", "0.059209939998191890498", "0.059210039998191890498"),
         // Clamps that are gone.
-        ("patina", "patina_extent", "clamp(", "max(0.0 * extent, "),
+        (
+            "patina",
+            "patina_extent",
+            "clamp((value - (extent - transition)) / select(width, 1.0, sharp), 0.0, 1.0)",
+            "(value - (extent - transition)) / select(width, 1.0, sharp)",
+        ),
         ("refraction", "refract", "max(", "min("),
     ];
     for (module, function, right, wrong) in faults {
@@ -57,7 +62,8 @@ fn the_text_is_no_vaguer_than_the_formula() {
         let rows: Vec<Vec<f32>> = (0..SAMPLES as u64)
             .map(|index| (twin.sample)(&mut Draw::new(index)).into_iter().map(|x| x as f32).collect())
             .collect();
-        let text = allowed::<Wgsl>(twin, &linked(twin), &rows, layers()).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let text =
+            allowed::<Wgsl>(twin, &linked(twin), &rows, layers()).unwrap_or_else(|error| panic!("{name}: {error}"));
         let (mut free, mut ratios) = ([0, 0], Vec::new());
         for (row, text) in rows.iter().zip(&text) {
             let points: Vec<_> = row.iter().map(|x| WgslInterval::exactly(*x)).collect();

@@ -8,8 +8,8 @@ use crate::material::{self, AnyStack};
 use crate::term::{self, Field, Kind, Results, Term, read_fields};
 use brdf::Vector;
 use brdf::gpu::{Gpu, GpuError};
-use brdf::layered::{Layer, Model};
 use brdf::layered::description::{Description, Node, Value as Leaf};
+use brdf::layered::{Layer, Model};
 use brdf::parity::{Twin, map_twin, text_double, text_single, twins};
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value};
@@ -185,12 +185,7 @@ fn twin((module, function): (&str, &str)) -> Twin {
 }
 
 /// The results of a twin on an adapter.
-fn on_adapter(
-    gpu: &Gpu,
-    twin: &Twin,
-    rows: &[Vec<f64>],
-    layers: &[Layer<f64, 3>],
-) -> Result<Vec<Vec<f64>>, GpuError> {
+fn on_adapter(gpu: &Gpu, twin: &Twin, rows: &[Vec<f64>], layers: &[Layer<f64, 3>]) -> Result<Vec<Vec<f64>>, GpuError> {
     let rows: Vec<Vec<f32>> = rows.iter().map(|row| row.iter().map(|x| *x as f32).collect()).collect();
     let layers: Vec<Layer<f32, 3>> = layers.iter().map(Layer::cast).collect();
     let outputs = map_twin(gpu, twin, &rows, &layers)?;

@@ -151,7 +151,8 @@ impl<T: AccuracyTable> Number for Interval<T> {
             let y = if index & 1 == 0 { self.low() } else { self.high() };
             *end = y.atan2(if index & 2 == 0 { x.low() } else { x.high() });
         }
-        let (low, high) = ends.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+        let (low, high) =
+            ends.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
         Self::rounded(low, high, T::ARC_TANGENT)
     }
     fn sine_h(self) -> Self {
@@ -201,7 +202,15 @@ impl<T: AccuracyTable> Number for Interval<T> {
         }
     }
     fn sign(self) -> Self {
-        let sign = |x: f64| if x > 0.0 { 1.0 } else if x < 0.0 { -1.0 } else { 0.0 };
+        let sign = |x: f64| {
+            if x > 0.0 {
+                1.0
+            } else if x < 0.0 {
+                -1.0
+            } else {
+                0.0
+            }
+        };
         Self::new(sign(self.low()), sign(self.high())).numbers()
     }
     fn multiply_add(self, y: Self, z: Self) -> Self {

@@ -28,7 +28,11 @@ pub(super) enum Root {
 pub(super) enum Length {
     Fixed(u32),
     /// What a shared memory holds beyond its first leaves, in elements of a stride.
-    Runtime { memory: u32, before: u32, stride: u32 },
+    Runtime {
+        memory: u32,
+        before: u32,
+        stride: u32,
+    },
 }
 
 /// A leaf in memory: the leaf at `offset`, plus the word of each lane in `address`.
@@ -70,20 +74,54 @@ pub(super) enum Instruction<N> {
     Scale(u32, u32, u32),
     /// A bool that is 0 or 1: one that is open forks the lane.
     Decide(u32, u32),
-    SelectReal { to: u32, condition: u32, yes: u32, no: u32 },
-    SelectWord { to: u32, condition: u32, yes: u32, no: u32 },
+    SelectReal {
+        to: u32,
+        condition: u32,
+        yes: u32,
+        no: u32,
+    },
+    SelectWord {
+        to: u32,
+        condition: u32,
+        yes: u32,
+        no: u32,
+    },
     /// In every lane, active or not.
     Copy(Slot, Slot),
     /// `to = base + min(index, length − 1)·stride`.
-    Address { to: u32, base: Option<u32>, index: u32, stride: u32, length: Length },
+    Address {
+        to: u32,
+        base: Option<u32>,
+        index: u32,
+        stride: u32,
+        length: Length,
+    },
     /// The length of a runtime-sized array.
-    Length { to: u32, length: Length },
+    Length {
+        to: u32,
+        length: Length,
+    },
     /// One of several columns, by the word in `index`.
-    Pick { to: Slot, index: u32, from: Box<[Slot]> },
-    Load { to: Slot, from: Place },
+    Pick {
+        to: Slot,
+        index: u32,
+        from: Box<[Slot]>,
+    },
+    Load {
+        to: Slot,
+        from: Place,
+    },
     /// Only in active lanes.
-    Store { to: Place, from: Slot },
-    Atomic { old: u32, place: Place, operand: u32, kind: Atomic },
+    Store {
+        to: Place,
+        from: Slot,
+    },
+    Atomic {
+        old: u32,
+        place: Place,
+        operand: u32,
+        kind: Atomic,
+    },
 }
 
 pub(super) type Block<N> = Vec<Step<N>>;
@@ -92,9 +130,20 @@ pub(super) type Block<N> = Vec<Step<N>>;
 #[derive(Clone, Debug)]
 pub(super) enum Step<N> {
     Run(Vec<Instruction<N>>),
-    If { condition: u32, accept: Block<N>, reject: Block<N> },
-    Loop { body: Block<N>, continuing: Block<N>, break_if: Option<u32> },
-    Switch { selector: u32, cases: Vec<Case<N>> },
+    If {
+        condition: u32,
+        accept: Block<N>,
+        reject: Block<N>,
+    },
+    Loop {
+        body: Block<N>,
+        continuing: Block<N>,
+        break_if: Option<u32>,
+    },
+    Switch {
+        selector: u32,
+        cases: Vec<Case<N>>,
+    },
     /// A routine, its arguments in place.
     Call(usize),
     Break,

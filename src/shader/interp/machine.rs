@@ -11,6 +11,8 @@ use super::number::{Number, OPEN, Whole};
 pub(super) const MOST_LANES: usize = 1024;
 /// The whole numbers that one real number may stand for before nothing is known.
 const MOST_CHOICES: i64 = 8;
+/// The forks that one lane may meet. Each new one is a way more for its row, of which [`super::MOST_WAYS`] are followed.
+const MOST_FORKS: usize = 2 * super::MOST_WAYS;
 
 /// The lanes that are active, a bit each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,9 +79,10 @@ impl Mask {
         }
     }
     fn lanes(self) -> impl Iterator<Item = usize> {
-        self.0.into_iter().enumerate().flat_map(|(index, word)| {
-            (0..64).filter(move |bit| word >> bit & 1 == 1).map(move |bit| 64 * index + bit)
-        })
+        self.0
+            .into_iter()
+            .enumerate()
+            .flat_map(|(index, word)| (0..64).filter(move |bit| word >> bit & 1 == 1).map(move |bit| 64 * index + bit))
     }
 }
 
@@ -320,6 +323,10 @@ impl<'c, N: Number> Machine<'c, N> {
     /// The choice of a lane among several ways to go on; it takes the first, and leaves the others to its forks.
     fn choose(&mut self, lane: usize, ways: u8) -> u8 {
         let path = &mut self.paths[lane];
+        if path.lost || path.choices.len() > MOST_FORKS && path.met >= path.choices.len() {
+            path.lost = true;
+            return 0;
+        }
         let choice = match path.choices.get(path.met) {
             Some(choice) => *choice,
             None => {
@@ -433,8 +440,7 @@ impl<'c, N: Number> Machine<'c, N> {
                 }
                 self.to_word(*to, |out, m| {
                     let (yes, no) = (&m.words[*yes as usize], &m.words[*no as usize]);
-                    for (((out, word), yes), no) in out.iter_mut().zip(&m.words[*condition as usize]).zip(yes).zip(no)
-                    {
+                    for (((out, word), yes), no) in out.iter_mut().zip(&m.words[*condition as usize]).zip(yes).zip(no) {
                         *out = if *word != 0 { *yes } else { *no };
                     }
                 });

@@ -90,11 +90,12 @@ impl Shader {
     ///
     /// # Errors
     /// Those of [`Module::parse`]; `f16`; and, rarely, a module that is only valid in single precision: one that passes
-    /// f32 between shader stages.
+    /// f32 between shader stages, or calls a builtin function of constants (naga does not compute those of f64).
     pub fn in_double(source: &str) -> Result<Self, ShaderError> {
         let written = Module::parse(source)?;
         let text = retype::in_double(source, &written)?;
-        let module = Module::parse(&text).map_err(|error| ShaderError::plain(format!("in double precision, {error}")))?;
+        let module =
+            Module::parse(&text).map_err(|error| ShaderError::plain(format!("in double precision, {error}")))?;
         Ok(Shader { module, written: Some(written), text })
     }
 

@@ -98,11 +98,7 @@ impl<N: Number> Program<N> {
     ///
     /// # Errors
     /// Those of [`Program::new`].
-    pub fn with_known(
-        shader: &Shader,
-        function: &str,
-        known: &[(String, Known)],
-    ) -> Result<Self, InterpError> {
+    pub fn with_known(shader: &Shader, function: &str, known: &[(String, Known)]) -> Result<Self, InterpError> {
         let signature = shader.written().function(function)?;
         let ir = shader.module.ir();
         let found = ir.functions.iter().find(|(_, f)| f.name.as_deref() == Some(function));
@@ -126,7 +122,9 @@ impl<N: Number> Program<N> {
         let code = Lowering::entry_point(shader, index, &[])?;
         let lanes = code.workgroup.iter().fold(1u32, |product, size| product.saturating_mul(*size)) as usize;
         if lanes > MOST_LANES {
-            return Err(InterpError::TooLarge(format!("`{name}` has workgroups of more than {MOST_LANES} invocations")));
+            return Err(InterpError::TooLarge(format!(
+                "`{name}` has workgroups of more than {MOST_LANES} invocations"
+            )));
         }
         Self::of(code, None, lanes)
     }
@@ -356,7 +354,8 @@ impl<N: Number> Program<N> {
             let (Some(key), true) = (memory.binding, memory.writable) else { continue };
             let Some(Content::Bytes(bytes)) = buffers.contents.get_mut(&key) else { continue };
             let elements = runtime_elements(memory, bytes.len());
-            for ((kind, offset), (real, word)) in offsets(memory, elements).zip(shared.reals.iter().zip(&shared.words)) {
+            for ((kind, offset), (real, word)) in offsets(memory, elements).zip(shared.reals.iter().zip(&shared.words))
+            {
                 let value = match kind {
                     Kind::Real(8) => real.to_f64().to_le_bytes().to_vec(),
                     Kind::Real(_) if N::MAY_BE_OPEN => (real.to_f64() as f32).to_le_bytes().to_vec(),

@@ -214,18 +214,21 @@ mod tests {
     #[test]
     fn types_and_literals_change() {
         let source = "fn f(a: vec3f, m: mat2x3f, x: f32) -> f32 { return a.x + 0.1 * x + 1f + 0x1.8p1 + f32(2u); }";
-        let want = "fn f(a: vec3<f64>, m: mat2x3<f64>, x: f64) -> f64 { return a.x + 0.1lf * x + 1.0lf + 3.0lf + f64(2u); }";
+        let want =
+            "fn f(a: vec3<f64>, m: mat2x3<f64>, x: f64) -> f64 { return a.x + 0.1lf * x + 1.0lf + 3.0lf + f64(2u); }";
         assert_eq!(retyped(source), want);
     }
 
     #[test]
     fn bits_go_through_single_precision() {
         let source = "fn f(a: f32, n: u32) -> f32 { return bitcast<f32>(bitcast<u32>(a) & bitcast<u32>(i32(n))); }";
-        let want = "fn f(a: f64, n: u32) -> f64 { return f64(bitcast<f32>(bitcast<u32>(f32(a)) & bitcast<u32>(i32(n)))); }";
+        let want =
+            "fn f(a: f64, n: u32) -> f64 { return f64(bitcast<f32>(bitcast<u32>(f32(a)) & bitcast<u32>(i32(n)))); }";
         assert_eq!(retyped(source), want);
         Module::parse(want).unwrap();
         let source = "fn f(a: vec2f) -> vec2f { return unpack2x16float(pack2x16float(a)); }";
-        let want = "fn f(a: vec2<f64>) -> vec2<f64> { return vec2<f64>(unpack2x16float(pack2x16float(vec2<f32>(a)))); }";
+        let want =
+            "fn f(a: vec2<f64>) -> vec2<f64> { return vec2<f64>(unpack2x16float(pack2x16float(vec2<f32>(a)))); }";
         assert_eq!(retyped(source), want);
         Module::parse(want).unwrap();
     }

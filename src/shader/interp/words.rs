@@ -127,9 +127,16 @@ mod tests {
 
     #[test]
     fn open_bools_follow_kleene() {
-        for (a, b, both, either) in
-            [(0, 0, 0, 0), (0, 1, 0, 1), (1, 1, 1, 1), (0, 2, 0, 2), (1, 2, 2, 1), (2, 2, 2, 2), (2, 0, 0, 2), (2, 1, 2, 1)]
-        {
+        for (a, b, both, either) in [
+            (0, 0, 0, 0),
+            (0, 1, 0, 1),
+            (1, 1, 1, 1),
+            (0, 2, 0, 2),
+            (1, 2, 2, 1),
+            (2, 2, 2, 2),
+            (2, 0, 0, 2),
+            (2, 1, 2, 1),
+        ] {
             assert_eq!((two(BOTH, a, b), two(EITHER, a, b)), (both, either), "{a} {b}");
         }
     }

@@ -95,11 +95,7 @@ impl<'a, N: Number> Lowering<'a, N> {
             }
             Mf::Inverse => Err(self.unsupported(scope, "the inverse of a matrix")),
             Mf::Modf => {
-                let fraction = self.each_real(
-                    scope,
-                    |o, a| map(o, a, |a: N| a - a.round_to_zero()),
-                    &a,
-                )?;
+                let fraction = self.each_real(scope, |o, a| map(o, a, |a: N| a - a.round_to_zero()), &a)?;
                 let whole = self.each_real(scope, |o, a| map(o, a, N::round_to_zero), &a)?;
                 Ok(fraction.iter().chain(whole.iter()).copied().collect())
             }
@@ -317,13 +313,7 @@ impl<'a, N: Number> Lowering<'a, N> {
     }
 
     /// ⌊1/2 + scale·clamp(x)⌋ of each component, from the lowest bits on.
-    fn pack(
-        &mut self,
-        scope: &mut Scope<'a, N>,
-        a: &[Slot],
-        bits: u32,
-        signed: bool,
-    ) -> Result<Slots, InterpError> {
+    fn pack(&mut self, scope: &mut Scope<'a, N>, a: &[Slot], bits: u32, signed: bool) -> Result<Slots, InterpError> {
         let f: fn(N) -> Whole = match (bits, signed) {
             (8, true) => |x| packed(x, 127.0, -1.0),
             (8, false) => |x| packed(x, 255.0, 0.0),
@@ -514,8 +504,7 @@ impl<'a, N: Number> Lowering<'a, N> {
         signed: bool,
     ) -> Result<u32, InterpError> {
         let (low, high) = (self.word_constant(low)?, self.word_constant(high)?);
-        let (min, max) =
-            if signed { (words::MIN_SIGNED, words::MAX_SIGNED) } else { (words::MIN, words::MAX) };
+        let (min, max) = if signed { (words::MIN_SIGNED, words::MAX_SIGNED) } else { (words::MIN, words::MAX) };
         let raised = self.word2(scope, max, word, low)?;
         self.word2(scope, min, raised, high)
     }

@@ -244,7 +244,10 @@ impl<'a, N: Number> Lowering<'a, N> {
         result: Option<Handle<Expression>>,
     ) -> Result<(), InterpError> {
         let scalar = match self.inner(scope, pointer) {
-            TypeInner::Pointer { base, .. } => self.module.types[base].inner.scalar(),
+            TypeInner::Pointer { base, .. } => match self.module.types[base].inner {
+                TypeInner::Atomic(scalar) | TypeInner::Scalar(scalar) => Some(scalar),
+                _ => None,
+            },
             _ => None,
         };
         let signed = match scalar.map(|scalar| (scalar.kind, scalar.width)) {
