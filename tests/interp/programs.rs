@@ -134,14 +134,14 @@ fn control_flow_is_that_of_every_adapter() {
 /// naga's SPIR-V does not take these: a pointer to a member, and to an element that is only known at run time.
 #[test]
 fn pointers_may_point_into_a_variable() {
-    let source = "struct S { a: array<vec2u, 3>, b: u32 }
+    let source = "struct S { a: vec3f, c: array<u32, 3>, b: u32 }
         fn bump(p: ptr<function, u32>, by: u32) -> u32 { let old = *p; *p = old * 2u + by; return old; }
-        fn twice(p: ptr<function, S>, i: u32) { (*p).b += bump(&(*p).b, i); bump(&(*p).a[i % 3u].y, 1u); }
+        fn twice(p: ptr<function, S>, i: u32) { (*p).b += bump(&(*p).b, i); bump(&(*p).c[i % 3u], 1u); }
         fn f(n: u32) -> u32 {
             var s: S;
             s.b = 3u;
             for (var i = 0u; i < n; i++) { twice(&s, i); }
-            return s.a[0].y + 10u * s.a[1].y + 100u * s.a[2].y + 1000u * s.b;
+            return s.c[0] + 10u * s.c[1] + 100u * s.c[2] + 1000u * s.b;
         }";
     // b: 3 → 3·2+0 = 6, then 6 + old 3: the sum is read after the call, so 6 + 3 or 3 + 3 by the order of loads.
     let results = evaluated(source, &[0, 1, 3]);

@@ -193,6 +193,10 @@ impl<T: AccuracyTable> Number for Interval<T> {
     fn round_to_zero(self) -> Self {
         self.exact(f64::trunc)
     }
+    fn mixed(self, y: Self, t: Self) -> Self {
+        // Drivers compute x + (y−x)t as well, and the conformance tests of WebGPU take either.
+        (self * (Self::ONE - t) + y * t).hull(self + (y - self) * t)
+    }
     fn fraction(self) -> Self {
         if self.low().floor() == self.high().floor() {
             self - self.round_down()

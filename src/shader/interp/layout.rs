@@ -15,6 +15,8 @@ pub(super) enum Kind {
     Signed,
     Unsigned,
     Bool,
+    /// The exponent that `frexp` gives of an f64, an i64 to naga: it can be read and converted, and nothing else.
+    Exponent,
 }
 
 /// A scalar of a flattened type and its offset in a buffer.
@@ -42,6 +44,7 @@ pub(super) fn kind_of(scalar: Scalar) -> Result<Kind, String> {
         (ScalarKind::Sint, 4) => Ok(Kind::Signed),
         (ScalarKind::Uint, 4) => Ok(Kind::Unsigned),
         (ScalarKind::Bool, _) => Ok(Kind::Bool),
+        (ScalarKind::Sint, 8) => Ok(Kind::Exponent),
         (ScalarKind::Float, _) => Err("f16".to_owned()),
         (_, width) => Err(format!("integers of {} bits", 8 * u32::from(width))),
     }

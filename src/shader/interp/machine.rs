@@ -149,6 +149,11 @@ impl<'c, N: Number> Machine<'c, N> {
         Ok(machine)
     }
 
+    /// The lanes of a block.
+    pub(super) fn width(&self) -> usize {
+        self.width
+    }
+
     /// Sets one lane's value in a column.
     pub(super) fn set_real(&mut self, column: u32, lane: usize, value: N) {
         self.reals[column as usize][lane] = value;

@@ -110,6 +110,11 @@ pub trait Number: Real {
     /// The bits of the number of binary16 that it is rounded to.
     fn half_bits(self) -> Whole;
 
+    /// x(1−t) + y·t.
+    #[inline(always)]
+    fn mixed(self, y: Self, t: Self) -> Self {
+        self * (Self::ONE - t) + y * t
+    }
     /// x − ⌊x⌋.
     fn fraction(self) -> Self {
         self - self.round_down()

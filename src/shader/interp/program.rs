@@ -175,7 +175,7 @@ impl<N: Number> Program<N> {
         let mut jobs: VecDeque<Job> = (0..count).map(|row| Job { row, choices: Vec::new() }).collect();
         let writes = self.code.memories.iter().any(|memory| memory.writable);
         while !jobs.is_empty() {
-            let batch: Vec<Job> = jobs.drain(..jobs.len().min(self.block)).collect();
+            let batch: Vec<Job> = jobs.drain(..jobs.len().min(machine.width())).collect();
             for (lane, job) in batch.iter().enumerate() {
                 for (slot, cell) in self.code.arguments.iter().zip(&rows[job.row * width..]) {
                     match (*slot, *cell) {

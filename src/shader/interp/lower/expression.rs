@@ -413,6 +413,9 @@ impl<'a, N: Number> Lowering<'a, N> {
         a: &[Slot],
         b: &[Slot],
     ) -> Result<Rc<[Slot]>, InterpError> {
+        if kind == Kind::Exponent {
+            return Err(self.unsupported(scope, "integers of 64 bits"));
+        }
         let count = a.len().max(b.len());
         let at = |slots: &[Slot], index: usize| slots.get(if slots.len() == 1 { 0 } else { index }).copied();
         let mut results = Vec::with_capacity(count);
@@ -545,6 +548,9 @@ impl<'a, N: Number> Lowering<'a, N> {
         let (slots, kind) = (self.data(scope, from)?, self.kind(scope, from)?);
         let width = convert.unwrap_or(4);
         let target = kind_of(naga::Scalar { kind: to, width }).map_err(|what| self.unsupported(scope, what))?;
+        if target == Kind::Exponent {
+            return Err(self.unsupported(scope, "integers of 64 bits"));
+        }
         let mut results = Vec::with_capacity(slots.len());
         for slot in slots.iter() {
             results.push(match (*slot, target) {
@@ -571,7 +577,7 @@ impl<'a, N: Number> Lowering<'a, N> {
                 (Slot::Word(a), Kind::Real(_)) => {
                     let f: fn(u32) -> N = match (convert, kind) {
                         (None, _) => |a| N::from_single(f32::from_bits(a)),
-                        (_, Kind::Signed) => |a| N::from_whole(i64::from(a.cast_signed())),
+                        (_, Kind::Signed | Kind::Exponent) => |a| N::from_whole(i64::from(a.cast_signed())),
                         (_, Kind::Bool) => {
                             let (one, zero) = (self.real_constant(1.0)?, self.real_constant(0.0)?);
                             let to = self.real(scope)?;

@@ -581,7 +581,7 @@ fn ternary<N: Number>(fun: Mf) -> Option<Real3<N>> {
     Some(match fun {
         Mf::Clamp => |o, a, b, c| zip3(o, a, b, c, |x: N, low, high| x.max(low).min(high)),
         Mf::Fma => |o, a, b, c| zip3(o, a, b, c, N::multiply_add),
-        Mf::Mix => |o, a, b, c| zip3(o, a, b, c, |a: N, b, t| a * (N::ONE - t) + b * t),
+        Mf::Mix => |o, a, b, c| zip3(o, a, b, c, N::mixed),
         Mf::SmoothStep => |o, a, b, c| {
             zip3(o, a, b, c, |low: N, high, x| {
                 let t = ((x - low) / (high - low)).max(N::ZERO).min(N::ONE);

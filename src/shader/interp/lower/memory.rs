@@ -92,6 +92,9 @@ impl<'a, N: Number> Lowering<'a, N> {
             Ok((fixed, element, stride, start))
         };
         let (fixed, element, stride, bytes) = describe().map_err(|what| self.unsupported(scope, what))?;
+        if fixed.iter().chain(&element).any(|leaf| leaf.kind == Kind::Exponent) {
+            return Err(self.unsupported(scope, format!("integers of 64 bits (`{name}`)")));
+        }
         let binding = variable.binding.map(|binding| (binding.group, binding.binding));
         let index = self.code.memories.len() as u32;
         let kinds = self.kinds(scope, variable.ty)?;
