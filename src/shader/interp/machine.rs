@@ -5,86 +5,13 @@
 
 use super::code::{Atomic, Block, BuiltIn, Code, Instruction, Length, Place, Root, Slot, Step};
 use super::error::InterpError;
+use super::mask::Mask;
 use super::number::{Number, OPEN, Whole};
 
-/// The most lanes of a block, which is the most invocations of a workgroup.
-pub(super) const MOST_LANES: usize = 1024;
 /// The whole numbers that one real number may stand for before nothing is known.
 const MOST_CHOICES: i64 = 8;
 /// The forks that one lane may meet. Each new one is a way more for its row, of which [`super::MOST_WAYS`] are followed.
 const MOST_FORKS: usize = 2 * super::MOST_WAYS;
-
-/// The lanes that are active, a bit each.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Mask([u64; MOST_LANES / 64]);
-
-impl Mask {
-    const NONE: Self = Mask([0; MOST_LANES / 64]);
-
-    fn first(lanes: usize) -> Self {
-        let mut mask = Mask::NONE;
-        for (index, word) in mask.0.iter_mut().enumerate() {
-            *word = match lanes.saturating_sub(64 * index) {
-                0 => 0,
-                64.. => u64::MAX,
-                rest => (1 << rest) - 1,
-            };
-        }
-        mask
-    }
-    fn any(&self) -> bool {
-        self.0.iter().any(|word| *word != 0)
-    }
-    fn with(mut self, other: &Self) -> Self {
-        self.0.iter_mut().zip(other.0).for_each(|(word, other)| *word |= other);
-        self
-    }
-    fn without(mut self, other: &Self) -> Self {
-        self.0.iter_mut().zip(other.0).for_each(|(word, other)| *word &= !other);
-        self
-    }
-    fn holds(&self, lane: usize) -> bool {
-        self.0.get(lane / 64).is_some_and(|word| word >> (lane % 64) & 1 == 1)
-    }
-    fn set(&mut self, lane: usize) {
-        if let Some(word) = self.0.get_mut(lane / 64) {
-            *word |= 1 << (lane % 64);
-        }
-    }
-    /// The active lanes whose word satisfies a condition.
-    fn filtered(&self, words: &[u32], f: impl Fn(u32) -> bool) -> Self {
-        let mut mask = Mask::NONE;
-        for ((to, from), words) in mask.0.iter_mut().zip(self.0).zip(words.chunks(64)) {
-            if from != 0 {
-                let bits = words.iter().enumerate().fold(0, |bits, (bit, word)| bits | u64::from(f(*word)) << bit);
-                *to = bits & from;
-            }
-        }
-        mask
-    }
-    /// Copies the active lanes.
-    fn copy<T: Copy>(&self, to: &mut [T], from: &[T]) {
-        for ((word, to), from) in self.0.iter().zip(to.chunks_mut(64)).zip(from.chunks(64)) {
-            match *word {
-                0 => {}
-                u64::MAX => to.copy_from_slice(from),
-                word => {
-                    for (bit, (to, from)) in to.iter_mut().zip(from).enumerate() {
-                        if word >> bit & 1 == 1 {
-                            *to = *from;
-                        }
-                    }
-                }
-            }
-        }
-    }
-    fn lanes(self) -> impl Iterator<Item = usize> {
-        self.0
-            .into_iter()
-            .enumerate()
-            .flat_map(|(index, word)| (0..64).filter(move |bit| word >> bit & 1 == 1).map(move |bit| 64 * index + bit))
-    }
-}
 
 /// Memory that all lanes see.
 #[derive(Clone, Debug, Default)]
@@ -391,14 +318,14 @@ impl<'c, N: Number> Machine<'c, N> {
     }
 
     #[inline(always)]
-    fn to_real(&mut self, to: u32, f: impl FnOnce(&mut [N], &Self)) {
+    fn fill_real(&mut self, to: u32, f: impl FnOnce(&mut [N], &Self)) {
         let mut out = std::mem::take(&mut self.reals[to as usize]);
         f(&mut out, self);
         self.reals[to as usize] = out;
     }
 
     #[inline(always)]
-    fn to_word(&mut self, to: u32, f: impl FnOnce(&mut [u32], &Self)) {
+    fn fill_word(&mut self, to: u32, f: impl FnOnce(&mut [u32], &Self)) {
         let mut out = std::mem::take(&mut self.words[to as usize]);
         f(&mut out, self);
         self.words[to as usize] = out;
@@ -406,25 +333,25 @@ impl<'c, N: Number> Machine<'c, N> {
 
     fn instruction(&mut self, instruction: &'c Instruction<N>, live: &Mask) {
         match instruction {
-            Instruction::Real1(f, to, a) => self.to_real(*to, |out, m| f(out, &m.reals[*a as usize])),
+            Instruction::Real1(f, to, a) => self.fill_real(*to, |out, m| f(out, &m.reals[*a as usize])),
             Instruction::Real2(f, to, a, b) => {
-                self.to_real(*to, |out, m| f(out, &m.reals[*a as usize], &m.reals[*b as usize]));
+                self.fill_real(*to, |out, m| f(out, &m.reals[*a as usize], &m.reals[*b as usize]));
             }
-            Instruction::Real3(f, to, a, b, c) => self.to_real(*to, |out, m| {
+            Instruction::Real3(f, to, a, b, c) => self.fill_real(*to, |out, m| {
                 f(out, &m.reals[*a as usize], &m.reals[*b as usize], &m.reals[*c as usize]);
             }),
-            Instruction::Word1(f, to, a) => self.to_word(*to, |out, m| f(out, &m.words[*a as usize])),
+            Instruction::Word1(f, to, a) => self.fill_word(*to, |out, m| f(out, &m.words[*a as usize])),
             Instruction::Word2(f, to, a, b) => {
-                self.to_word(*to, |out, m| f(out, &m.words[*a as usize], &m.words[*b as usize]));
+                self.fill_word(*to, |out, m| f(out, &m.words[*a as usize], &m.words[*b as usize]));
             }
             Instruction::Test(f, to, a, b) => {
-                self.to_word(*to, |out, m| f(out, &m.reals[*a as usize], &m.reals[*b as usize]));
+                self.fill_word(*to, |out, m| f(out, &m.reals[*a as usize], &m.reals[*b as usize]));
             }
             Instruction::Whole(f, to, a) => self.whole(*f, *to, *a, live),
-            Instruction::FromWord(f, to, a) => self.to_real(*to, |out, m| {
+            Instruction::FromWord(f, to, a) => self.fill_real(*to, |out, m| {
                 out.iter_mut().zip(&m.words[*a as usize]).for_each(|(out, word)| *out = f(*word));
             }),
-            Instruction::Scale(to, a, b) => self.to_real(*to, |out, m| {
+            Instruction::Scale(to, a, b) => self.fill_real(*to, |out, m| {
                 for ((out, a), b) in out.iter_mut().zip(&m.reals[*a as usize]).zip(&m.words[*b as usize]) {
                     *out = a.scaled(b.cast_signed());
                 }
@@ -433,7 +360,7 @@ impl<'c, N: Number> Machine<'c, N> {
                 self.decide(*from, live);
                 self.copy(Slot::Word(*to), Slot::Word(*from));
             }
-            Instruction::SelectReal { to, condition, yes, no } => self.to_real(*to, |out, m| {
+            Instruction::SelectReal { to, condition, yes, no } => self.fill_real(*to, |out, m| {
                 let (yes, no) = (&m.reals[*yes as usize], &m.reals[*no as usize]);
                 for (((out, word), yes), no) in out.iter_mut().zip(&m.words[*condition as usize]).zip(yes).zip(no) {
                     *out = N::chosen(*word, *yes, *no);
@@ -443,7 +370,7 @@ impl<'c, N: Number> Machine<'c, N> {
                 if N::MAY_BE_OPEN {
                     self.decide_where_different(*condition, *yes, *no, live);
                 }
-                self.to_word(*to, |out, m| {
+                self.fill_word(*to, |out, m| {
                     let (yes, no) = (&m.words[*yes as usize], &m.words[*no as usize]);
                     for (((out, word), yes), no) in out.iter_mut().zip(&m.words[*condition as usize]).zip(yes).zip(no) {
                         *out = if *word != 0 { *yes } else { *no };
@@ -453,7 +380,7 @@ impl<'c, N: Number> Machine<'c, N> {
             Instruction::Copy(to, from) => self.copy(*to, *from),
             Instruction::Address { to, base, index, stride, length } => {
                 let last = self.length(*length).saturating_sub(1);
-                self.to_word(*to, |out, m| {
+                self.fill_word(*to, |out, m| {
                     for (out, index) in out.iter_mut().zip(&m.words[*index as usize]) {
                         *out = (*index).min(last).wrapping_mul(*stride);
                     }
@@ -515,14 +442,14 @@ impl<'c, N: Number> Machine<'c, N> {
 
     fn pick(&mut self, to: Slot, index: u32, from: &[Slot]) {
         match to {
-            Slot::Real(to) => self.to_real(to, |out, m| {
+            Slot::Real(to) => self.fill_real(to, |out, m| {
                 for (lane, (out, index)) in out.iter_mut().zip(&m.words[index as usize]).enumerate() {
                     if let Some(Slot::Real(column)) = from.get(*index as usize) {
                         *out = m.reals[*column as usize][lane];
                     }
                 }
             }),
-            Slot::Word(to) => self.to_word(to, |out, m| {
+            Slot::Word(to) => self.fill_word(to, |out, m| {
                 for (lane, (out, index)) in out.iter_mut().zip(&m.words[index as usize]).enumerate() {
                     if let Some(Slot::Word(column)) = from.get(*index as usize) {
                         *out = m.words[*column as usize][lane];
@@ -540,26 +467,26 @@ impl<'c, N: Number> Machine<'c, N> {
 
     fn load(&mut self, to: Slot, from: &Place) {
         match (to, from.root) {
-            (Slot::Real(to), Root::Lanes { real, .. }) => self.to_real(to, |out, m| {
+            (Slot::Real(to), Root::Lanes { real, .. }) => self.fill_real(to, |out, m| {
                 for (lane, out) in out.iter_mut().enumerate() {
                     // A column beyond the last belongs to no address that a lane in use can have.
                     let column = m.reals.get(real as usize + m.leaf(from, lane));
                     *out = column.and_then(|column| column.get(lane).copied()).unwrap_or_default();
                 }
             }),
-            (Slot::Word(to), Root::Lanes { word, .. }) => self.to_word(to, |out, m| {
+            (Slot::Word(to), Root::Lanes { word, .. }) => self.fill_word(to, |out, m| {
                 for (lane, out) in out.iter_mut().enumerate() {
                     let column = m.words.get(word as usize + m.leaf(from, lane));
                     *out = column.and_then(|column| column.get(lane).copied()).unwrap_or_default();
                 }
             }),
-            (Slot::Real(to), Root::Shared(memory)) => self.to_real(to, |out, m| {
+            (Slot::Real(to), Root::Shared(memory)) => self.fill_real(to, |out, m| {
                 let memory = &m.shared[memory as usize];
                 for (lane, out) in out.iter_mut().enumerate() {
                     *out = memory.reals.get(m.leaf(from, lane)).copied().unwrap_or_default();
                 }
             }),
-            (Slot::Word(to), Root::Shared(memory)) => self.to_word(to, |out, m| {
+            (Slot::Word(to), Root::Shared(memory)) => self.fill_word(to, |out, m| {
                 let memory = &m.shared[memory as usize];
                 for (lane, out) in out.iter_mut().enumerate() {
                     *out = memory.words.get(m.leaf(from, lane)).copied().unwrap_or_default();
@@ -573,13 +500,13 @@ impl<'c, N: Number> Machine<'c, N> {
             (Slot::Real(from), Root::Lanes { real, .. }, None) => {
                 let to = real + to.offset;
                 if to != from {
-                    self.to_real(to, |out, m| live.copy(out, &m.reals[from as usize]));
+                    self.fill_real(to, |out, m| live.copy(out, &m.reals[from as usize]));
                 }
             }
             (Slot::Word(from), Root::Lanes { word, .. }, None) => {
                 let to = word + to.offset;
                 if to != from {
-                    self.to_word(to, |out, m| live.copy(out, &m.words[from as usize]));
+                    self.fill_word(to, |out, m| live.copy(out, &m.words[from as usize]));
                 }
             }
             (Slot::Real(from), Root::Lanes { real, .. }, Some(_)) => {

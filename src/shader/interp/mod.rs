@@ -29,6 +29,7 @@ mod error;
 mod layout;
 mod lower;
 mod machine;
+mod mask;
 mod number;
 mod program;
 mod retype;

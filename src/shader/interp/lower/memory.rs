@@ -9,6 +9,9 @@ use super::{Lowering, Pointer, Scope};
 use naga::{AddressSpace, Handle, TypeInner};
 use std::rc::Rc;
 
+/// The leaves from one element of a composite to the next, the number of elements, and the kinds of one.
+pub(super) type Elements = (u32, Option<u32>, Rc<[Kind]>);
+
 impl<'a, N: Number> Lowering<'a, N> {
     /// A variable of which every lane has its own.
     pub(super) fn lane_variable(
@@ -164,11 +167,7 @@ impl<'a, N: Number> Lowering<'a, N> {
     }
 
     /// The leaves from one element of a composite to the next, the number of elements, and the kinds of one.
-    pub(super) fn elements(
-        &self,
-        scope: &Scope<'a, N>,
-        inner: &TypeInner,
-    ) -> Result<(u32, Option<u32>, Rc<[Kind]>), InterpError> {
+    pub(super) fn elements(&self, scope: &Scope<'a, N>, inner: &TypeInner) -> Result<Elements, InterpError> {
         let vector = |scalar, count: usize| {
             let kind = super::super::layout::kind_of(scalar).map_err(|what| self.unsupported(scope, what))?;
             Ok::<Rc<[Kind]>, InterpError>(Rc::from(vec![kind; count]))

@@ -4,6 +4,7 @@
 //! point into: pointers are resolved here, and only an index that is not constant is left to be computed.
 
 mod expression;
+mod integer;
 mod math;
 mod memory;
 mod statement;
@@ -146,7 +147,7 @@ impl<'a, N: Number> Lowering<'a, N> {
         }
         lowering.code.workgroup = workgroup;
         let info = lowering.info.get_entry_point(index);
-        let (routine, parameters, _) = lowering.routine(&entry.name, &entry.function, info, &[])?;
+        let Callee { routine, parameters, .. } = lowering.routine(&entry.name, &entry.function, info, &[])?;
         lowering.code.main = routine;
         for (argument, parameter) in entry.function.arguments.iter().zip(parameters) {
             let Parameter::Data(slots) = parameter else { continue };
@@ -234,8 +235,7 @@ impl<'a, N: Number> Lowering<'a, N> {
         }
         let function = &self.module.functions[key.0];
         let name = function.name.clone().unwrap_or_else(|| "a function without a name".to_owned());
-        let (routine, parameters, results) = self.routine(&name, function, &self.info[key.0], &key.1)?;
-        let callee = Callee { routine, parameters, results };
+        let callee = self.routine(&name, function, &self.info[key.0], &key.1)?;
         self.callees.insert(key, callee.clone());
         Ok(callee)
     }
@@ -247,7 +247,7 @@ impl<'a, N: Number> Lowering<'a, N> {
         function: &'a Function,
         info: &'a naga::valid::FunctionInfo,
         pointers: &[Option<(Root, u32, bool)>],
-    ) -> Result<(usize, Vec<Parameter>, Rc<[Slot]>), InterpError> {
+    ) -> Result<Callee, InterpError> {
         self.enter()?;
         let mut scope = Scope {
             name: name.to_owned(),
@@ -302,7 +302,7 @@ impl<'a, N: Number> Lowering<'a, N> {
         let body = self.finished(&mut scope);
         self.code.routines.push(Routine { body });
         self.depth -= 1;
-        Ok((self.code.routines.len() - 1, parameters, scope.results))
+        Ok(Callee { routine: self.code.routines.len() - 1, parameters, results: scope.results })
     }
 
     /// The steps lowered since the last call.
