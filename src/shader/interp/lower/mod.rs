@@ -7,6 +7,7 @@ mod expression;
 mod integer;
 mod math;
 mod memory;
+mod operator;
 mod statement;
 
 use super::code::{Block, BuiltIn, Code, Instruction, Memory, Place, Real1, Real2, Real3, Root, Routine, Slot, Step};
