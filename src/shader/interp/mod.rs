@@ -16,6 +16,11 @@
 //! number that depends on it makes the lane go on as several lanes, one for each way, and the results of a row are the hull
 //! of all of them. A row that would need more than [`MOST_WAYS`] lanes, or that does not end, has unbounded results.
 //!
+//! # Speed
+//!
+//! In f32 on one thread about 60 million rows a second of `distribution::ggx`, an eighth of the vectorised native loop, and
+//! 0.75 million of `layered::conserving` over a metal, a ninth to a fourteenth (`examples/interp_speed.rs`).
+//!
 //! # What differs from a device
 //!
 //! * An index out of bounds means the nearest element. Integers wrap, x/0 = x, x % 0 = 0, as WGSL has it.
