@@ -18,13 +18,48 @@
 //! none can: their parts are formed by masks and minima. That they return exact pairs is checked on every adapter.
 
 use crate::real::{Mask, Real, Sealed};
+use core::fmt::Debug;
+use core::marker::PhantomData;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-/// An interval of the real numbers that holds every value WGSL allows an f32 expression; NaN bounds mean "anything".
+/// How accurate WGSL's operations on f32 are; the defaults are its table (WGSL 15.7.4). Errors in ULP unless said otherwise.
+///
+/// Another table tests the judgement itself: a narrower one must refuse what a wider one allows.
+pub trait AccuracyTable: Copy + Debug + Default + PartialEq + Send + Sync + 'static {
+    /// `+ − ×`, correctly rounded in either direction.
+    const SUM: f64 = 1.0;
+    /// `/`.
+    const QUOTIENT: f64 = 2.5;
+    /// `inverseSqrt`; `sqrt` is 1 over it.
+    const INVERSE_SQRT: f64 = 2.0;
+    /// `exp` and `exp2`: the first plus |x| times the second.
+    const EXP: (f64, f64) = (3.0, 2.0);
+    /// `log` and `log2` outside \[1/2, 2\].
+    const LOG: f64 = 3.0;
+    /// `log` and `log2` on \[1/2, 2\], absolute.
+    const LOG_NEAR_ONE: f64 = 1.0 / 2_097_152.0;
+    /// `sin` and `cos` on \[−π, π\], absolute.
+    const SINE: f64 = 1.0 / 2048.0;
+    /// `atan` and `atan2`.
+    const ARC_TANGENT: f64 = 4096.0;
+    /// `asin` and `acos`, absolute, or what their formula inherits.
+    const ARC_SINE: f64 = 6.81e-5;
+}
+
+/// WGSL's own accuracy table.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct WgslInterval {
+pub struct Wgsl;
+impl AccuracyTable for Wgsl {}
+
+/// An interval of the real numbers that holds every value WGSL allows an f32 expression; NaN bounds mean "anything".
+pub type WgslInterval = Interval<Wgsl>;
+
+/// An interval of the real numbers that holds every value that an accuracy table allows an f32 expression.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Interval<T> {
     low: f64,
     high: f64,
+    table: PhantomData<T>,
 }
 
 /// The spacing of f32 relative to the number, at most: 1 ULP.
@@ -43,13 +78,17 @@ pub struct Ternary {
     may_hold: bool,
 }
 
-impl WgslInterval {
+impl<T: AccuracyTable> Interval<T> {
     /// Anything at all.
-    const UNKNOWN: Self = WgslInterval { low: f64::NEG_INFINITY, high: f64::INFINITY };
+    pub(crate) const UNKNOWN: Self = Self::new(f64::NEG_INFINITY, f64::INFINITY);
+
+    pub(crate) const fn new(low: f64, high: f64) -> Self {
+        Interval { low, high, table: PhantomData }
+    }
 
     /// Exactly this f32.
     pub fn exactly(value: f32) -> Self {
-        WgslInterval { low: f64::from(value), high: f64::from(value) }
+        Self::new(f64::from(value), f64::from(value))
     }
 
     /// The smallest allowed value.
@@ -70,7 +109,7 @@ impl WgslInterval {
 
     /// This interval with both ends moved outward by the width of another around 0.
     pub fn widened(self, by: Self) -> Self {
-        WgslInterval { low: self.low + by.low, high: self.high + by.high }
+        Self::new(self.low + by.low, self.high + by.high)
     }
 
     /// Whether the rules say anything about the result.
@@ -80,7 +119,7 @@ impl WgslInterval {
 
     /// The interval of exact results between two bounds, widened by what an operation may add: `ulps` of the result, the
     /// flush of a subnormal, and the rounding of this computation in double precision.
-    fn rounded(low: f64, high: f64, ulps: f64) -> Self {
+    pub(crate) fn rounded(low: f64, high: f64, ulps: f64) -> Self {
         if low.is_nan() || high.is_nan() {
             return Self::UNKNOWN;
         }
@@ -103,20 +142,20 @@ impl WgslInterval {
         if low < -f64::from(f32::MAX) {
             low = f64::NEG_INFINITY;
         }
-        WgslInterval { low, high }
+        Self::new(low, high)
     }
 
     /// The image under a monotonic function that is good to `ulps`.
-    fn monotonic(self, ulps: f64, f: impl Fn(f64) -> f64) -> Self {
+    pub(crate) fn monotonic(self, ulps: f64, f: impl Fn(f64) -> f64) -> Self {
         let (a, b) = (f(self.low), f(self.high));
         Self::rounded(a.min(b), a.max(b), ulps)
     }
 
-    fn hull(self, other: Self) -> Self {
-        WgslInterval { low: self.low.min(other.low), high: self.high.max(other.high) }
+    pub(crate) fn hull(self, other: Self) -> Self {
+        Self::new(self.low.min(other.low), self.high.max(other.high))
     }
 
-    fn magnitude(self) -> f64 {
+    pub(crate) fn magnitude(self) -> f64 {
         self.low.abs().max(self.high.abs())
     }
 
@@ -133,25 +172,25 @@ impl WgslInterval {
     /// A bound on what double-single arithmetic drops: products of two roundings.
     fn second_order(scale: f64) -> Self {
         let width = 8.0 * ULP * ULP * scale;
-        WgslInterval { low: -width, high: width }
+        Self::new(-width, width)
     }
 }
 
-impl Add for WgslInterval {
+impl<T: AccuracyTable> Add for Interval<T> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        Self::rounded(self.low + other.low, self.high + other.high, 1.0)
+        Self::rounded(self.low + other.low, self.high + other.high, T::SUM)
     }
 }
 
-impl Sub for WgslInterval {
+impl<T: AccuracyTable> Sub for Interval<T> {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
-        Self::rounded(self.low - other.high, self.high - other.low, 1.0)
+        Self::rounded(self.low - other.high, self.high - other.low, T::SUM)
     }
 }
 
-impl Mul for WgslInterval {
+impl<T: AccuracyTable> Mul for Interval<T> {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
         let (low, high) = if other.low == 0.0 && other.high == 0.0 {
@@ -159,11 +198,11 @@ impl Mul for WgslInterval {
         } else {
             self.corners(other, |a, b| if b == 0.0 { 0.0 } else { a * b })
         };
-        Self::rounded(low, high, 1.0)
+        Self::rounded(low, high, T::SUM)
     }
 }
 
-impl Div for WgslInterval {
+impl<T: AccuracyTable> Div for Interval<T> {
     type Output = Self;
     fn div(self, other: Self) -> Self {
         let divisor = [other.low.abs(), other.high.abs()];
@@ -173,14 +212,14 @@ impl Div for WgslInterval {
             return Self::UNKNOWN;
         }
         let (low, high) = self.corners(other, |a, b| a / b);
-        Self::rounded(low, high, 2.5)
+        Self::rounded(low, high, T::QUOTIENT)
     }
 }
 
-impl Neg for WgslInterval {
+impl<T: AccuracyTable> Neg for Interval<T> {
     type Output = Self;
     fn neg(self) -> Self {
-        WgslInterval { low: -self.high, high: -self.low }
+        Self::new(-self.high, -self.low)
     }
 }
 
@@ -215,21 +254,21 @@ impl Mask for Ternary {
     }
 }
 
-impl Sealed for WgslInterval {}
-impl Real for WgslInterval {
+impl<T: AccuracyTable> Sealed for Interval<T> {}
+impl<T: AccuracyTable> Real for Interval<T> {
     type Mask = Ternary;
     type Wide = Self;
 
-    const ZERO: Self = WgslInterval { low: 0.0, high: 0.0 };
-    const ONE: Self = WgslInterval { low: 1.0, high: 1.0 };
-    const HALF: Self = WgslInterval { low: 0.5, high: 0.5 };
-    const TWO: Self = WgslInterval { low: 2.0, high: 2.0 };
+    const ZERO: Self = Self::new(0.0, 0.0);
+    const ONE: Self = Self::new(1.0, 1.0);
+    const HALF: Self = Self::new(0.5, 0.5);
+    const TWO: Self = Self::new(2.0, 2.0);
     // The two f32 next to each constant: the nearest is above π and below 1/π.
-    const PI: Self = WgslInterval { low: core::f32::consts::PI.next_down() as f64, high: core::f32::consts::PI as f64 };
+    const PI: Self = Self::new(core::f32::consts::PI.next_down() as f64, core::f32::consts::PI as f64);
     const FRAC_1_PI: Self =
-        WgslInterval { low: core::f32::consts::FRAC_1_PI as f64, high: core::f32::consts::FRAC_1_PI.next_up() as f64 };
-    const EPSILON: Self = WgslInterval { low: ULP, high: ULP };
-    const EXP_LIMIT: Self = WgslInterval { low: 87.0, high: 87.0 };
+        Self::new(core::f32::consts::FRAC_1_PI as f64, core::f32::consts::FRAC_1_PI.next_up() as f64);
+    const EPSILON: Self = Self::new(ULP, ULP);
+    const EXP_LIMIT: Self = Self::new(87.0, 87.0);
 
     fn from_f64(x: f64) -> Self {
         // A literal is rounded to one of the two f32 next to it.
@@ -237,9 +276,9 @@ impl Real for WgslInterval {
         if f64::from(nearest) == x {
             Self::exactly(nearest)
         } else if f64::from(nearest) < x {
-            WgslInterval { low: f64::from(nearest), high: f64::from(nearest.next_up()) }
+            Self::new(f64::from(nearest), f64::from(nearest.next_up()))
         } else {
-            WgslInterval { low: f64::from(nearest.next_down()), high: f64::from(nearest) }
+            Self::new(f64::from(nearest.next_down()), f64::from(nearest))
         }
     }
     fn widen(self) -> Self {
@@ -253,33 +292,29 @@ impl Real for WgslInterval {
     }
 
     fn sqrt(self) -> Self {
-        self.monotonic(4.5, |x| Real::sqrt(x.max(0.0)))
+        self.monotonic(T::INVERSE_SQRT + T::QUOTIENT, |x| Real::sqrt(x.max(0.0)))
     }
     fn exp(self) -> Self {
-        self.monotonic(3.0 + 2.0 * self.magnitude().min(1e30), Real::exp)
+        self.monotonic(T::EXP.0 + T::EXP.1 * self.magnitude().min(1e30), Real::exp)
     }
     fn ln(self) -> Self {
         // 2⁻²¹ absolute on [0.5, 2], elsewhere 3 ULP.
-        let image = self.monotonic(3.0, Real::ln);
-        let near = Real::exp(-21.0 * core::f64::consts::LN_2);
-        if self.low <= 2.0 && self.high >= 0.5 {
-            WgslInterval { low: image.low - near, high: image.high + near }
-        } else {
-            image
-        }
+        let image = self.monotonic(T::LOG, Real::ln);
+        let near = T::LOG_NEAR_ONE;
+        if self.low <= 2.0 && self.high >= 0.5 { Self::new(image.low - near, image.high + near) } else { image }
     }
     fn abs(self) -> Self {
         if self.low <= 0.0 && self.high >= 0.0 {
-            WgslInterval { low: 0.0, high: self.magnitude() }
+            Self::new(0.0, self.magnitude())
         } else {
-            WgslInterval { low: self.low.abs().min(self.high.abs()), high: self.magnitude() }
+            Self::new(self.low.abs().min(self.high.abs()), self.magnitude())
         }
     }
     fn min(self, other: Self) -> Self {
-        WgslInterval { low: self.low.min(other.low), high: self.high.min(other.high) }
+        Self::new(self.low.min(other.low), self.high.min(other.high))
     }
     fn max(self, other: Self) -> Self {
-        WgslInterval { low: self.low.max(other.low), high: self.high.max(other.high) }
+        Self::new(self.low.max(other.low), self.high.max(other.high))
     }
     fn lt(self, other: Self) -> Ternary {
         Ternary { may_fail: self.high >= other.low, may_hold: self.low < other.high }
@@ -307,7 +342,7 @@ impl Real for WgslInterval {
         // A product that is an f32 leaves nothing: 1², the matched index.
         let exact = low == high && f64::from(low as f32) == low && (low == 0.0 || low.abs() >= TINY);
         if exact {
-            return (WgslInterval { low, high }, Self::ZERO);
+            return (Self::new(low, high), Self::ZERO);
         }
         (Self::rounded(low, high, 0.0), Self::second_order(low.abs().max(high.abs())))
     }
@@ -333,11 +368,7 @@ impl Real for WgslInterval {
         let reach = (self.high - self.low).max(0.0) * core::f64::consts::PI;
         let around = |x: f64| {
             let wide = Self::rounded(x - reach, x + reach, 4.0);
-            if reach > 0.0 {
-                WgslInterval { low: wide.low.max(-1.0 - ULP), high: wide.high.min(1.0 + ULP) }
-            } else {
-                wide
-            }
+            if reach > 0.0 { Self::new(wide.low.max(-1.0 - ULP), wide.high.min(1.0 + ULP)) } else { wide }
         };
         (around(c), around(s))
     }
@@ -418,7 +449,7 @@ mod tests {
     #[test]
     fn an_interpolation_holds_the_nodes_that_its_position_spans() {
         let nodes = [[1.0, 0.0], [4.0, 0.5], [2.0, 0.0], [2.5, 7.0]];
-        let at = |low: f64, high: f64| WgslInterval { low, high }.interpolate(&nodes);
+        let at = |low: f64, high: f64| WgslInterval::new(low, high).interpolate(&nodes);
         for (position, want) in [(0.0, [1.0, 0.0]), (1.0, [4.0, 0.5]), (2.5, [2.25, 3.5]), (3.0, [2.5, 7.0])] {
             let [a, b] = at(position, position);
             for (interval, want) in [(a, want[0]), (b, want[1])] {

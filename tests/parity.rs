@@ -36,8 +36,8 @@ fn twins_agree_on_every_adapter() {
             // Elsewhere they must not be.
             let silent = result.unbounded as f64 / (SAMPLES * 3) as f64;
             let limit = match (twin.module, twin.function) {
-                // Every rounding decides where a walk goes; its mean is tested in `walk_gpu.rs`.
-                ("walk", "sample") => 1.0,
+                // A walk of more ways than the evaluator follows.
+                ("walk", "sample") => 0.06,
                 ("walk", _) => 0.05,
                 ("layered" | "sampling", _) => 0.01,
                 _ => 0.0,

@@ -1,6 +1,7 @@
 //! Stacks in the storage buffers that the twins of [`crate::layered`] read.
 
 use crate::layered::{BufferLayer, Coupled, Layer, Model, Stack};
+use crate::real::Real;
 
 /// The WGSL that binds a storage buffer of layers and supplies `stack_layer` to the module `layered`.
 pub const STACK_BINDINGS: &str = "\
@@ -25,11 +26,11 @@ pub fn layer_bytes<'a>(layers: impl IntoIterator<Item = &'a Layer<f32, 3>>) -> V
     bytemuck::cast_slice(&layers).to_vec()
 }
 
-/// The layers and tables of any number of stacks, one after the other.
+/// The layers and tables of any number of stacks, one after the other. An adapter reads them rounded to f32.
 #[derive(Clone, Debug, Default)]
 pub struct StackBuffers {
-    layers: Vec<BufferLayer>,
-    rows: Vec<[f32; 4]>,
+    pub(crate) layers: Vec<Layer<f64, 3>>,
+    pub(crate) rows: Vec<[f64; 4]>,
 }
 
 /// Where a stack lies in its [`StackBuffers`]: what the twins take as `first`, `count` and `table`.
@@ -44,28 +45,34 @@ pub struct StackPlace {
 }
 
 impl StackBuffers {
-    /// Appends a stack with the widths that its model takes, and with its table (built now, unless it is) where its model is [`Model::Coupled`].
-    pub fn push(&mut self, stack: &Stack<f32, 3>) -> StackPlace {
+    /// Appends a stack with the widths that its model takes, and with its table (built now, unless it is) where its model is
+    /// [`Model::Coupled`].
+    pub fn push<R: Real>(&mut self, stack: &Stack<R, 3>) -> StackPlace {
         let (first, table) = (self.layers.len() as u32, self.rows.len() as u32);
-        self.layers.extend(stack.effective_layers().iter().map(BufferLayer::from));
+        self.layers.extend(stack.effective_layers().iter().map(Layer::cast::<f64>));
         if stack.model() == Model::Coupled {
-            self.rows.extend(Coupled::new(stack).buffer_rows());
+            self.rows.extend(Coupled::new(stack).rows());
         }
         StackPlace { first, count: stack.layers().len() as u32, table }
     }
 
-    /// The WGSL that completes a linked module, and the content of the buffers that it binds: of layers and of tables,
-    /// where the module calls for them.
-    pub fn complete(&self, source: &str) -> (String, Vec<&[u8]>) {
-        let (mut bindings, mut storage) = (String::new(), Vec::new());
+    /// The WGSL that completes a linked module: bindings of layers and of tables, where the module calls for them.
+    pub fn bindings(&self, source: &str) -> String {
+        let needed = [("stack_layer(", STACK_BINDINGS), ("coupled_row(", TABLE_BINDINGS)];
+        needed.into_iter().filter(|(call, _)| source.contains(call)).map(|(_, bindings)| bindings).collect()
+    }
+
+    /// The content of the buffers that [`StackBuffers::bindings`] binds.
+    pub fn storage(&self, source: &str) -> Vec<Vec<u8>> {
+        let mut storage = Vec::new();
         if source.contains("stack_layer(") {
-            bindings += STACK_BINDINGS;
-            storage.push(bytemuck::cast_slice(&self.layers));
+            let layers: Vec<_> = self.layers.iter().map(Layer::cast::<f32>).collect();
+            storage.push(layer_bytes(&layers));
         }
         if source.contains("coupled_row(") {
-            bindings += TABLE_BINDINGS;
-            storage.push(bytemuck::cast_slice(&self.rows));
+            let rows: Vec<[f32; 4]> = self.rows.iter().map(|row| row.map(|x| x as f32)).collect();
+            storage.push(bytemuck::cast_slice(&rows).to_vec());
         }
-        (bindings, storage)
+        storage
     }
 }

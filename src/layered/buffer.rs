@@ -58,10 +58,15 @@ impl<R: Real> Coupled<R, 3> {
     /// 2 rows for a single interface or a Lambert base under a smooth coat, 34 for one under a rough coat, 98 for other
     /// diffuse bases under rough or several coats, 66 for the rest: 32 bytes to 1.6 kB.
     pub fn buffer_rows(&self) -> Vec<[f32; 4]> {
+        self.rows().into_iter().map(|row| row.map(|x| x as f32)).collect()
+    }
+
+    /// The same before it is rounded.
+    pub(crate) fn rows(&self) -> Vec<[f64; 4]> {
         let tables = self.tables();
-        let row = |[x, y, z]: [f64; 3], w: usize| [x as f32, y as f32, z as f32, w as f32];
+        let row = |[x, y, z]: [f64; 3], w: usize| [x, y, z, w as f64];
         let mut rows = std::vec![[0.0; 4]; 2];
-        let append = |rows: &mut Vec<[f32; 4]>, curve: &Curve<3>| {
+        let append = |rows: &mut Vec<[f64; 4]>, curve: &Curve<3>| {
             let start = rows.len();
             rows.extend(curve.nodes().iter().map(|node| row(*node, 0)));
             start

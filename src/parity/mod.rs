@@ -1,14 +1,21 @@
 //! Agreement of the WGSL twins with the Rust functions.
 //!
-//! Each twin runs on an adapter over a corner lattice and a low-discrepancy sequence of inputs. Its results are compared
-//! with the f64 instance of the Rust function, and must lie in the interval that the same function gives under WGSL's
-//! accuracy rules ([`WgslInterval`]): the tolerance is derived for each input and never tuned.
+//! Each twin runs on an adapter over a corner lattice and a low-discrepancy sequence of inputs. Two things must hold.
+//!
+//! * The twin's text means what the Rust function says: evaluated in f64, both agree to 1e-13, or to what the condition of
+//!   the input leaves of f64.
+//! * The adapter computes what the text allows: each result lies in the interval that the text itself gives under WGSL's
+//!   accuracy rules ([`WgslInterval`]). The tolerance is derived for each input and never tuned.
+//!
+//! [`allowed`], [`meaning`] and [`compare_meaning`] need no adapter.
 
+mod derived;
 mod draw;
 mod table;
 
+pub use derived::{allowed, meaning, text_double, text_single};
 pub use draw::Draw;
-pub use table::{Judge, Twin, twins};
+pub use table::{Judge, Twin, buffers, twins};
 
 use crate::frame::Vector;
 use crate::gpu::{Gpu, GpuError, Kernel, StackBuffers};
@@ -42,14 +49,19 @@ pub struct Comparison {
     pub unbounded: usize,
     /// How many results lie outside what WGSL allows.
     pub outside: usize,
+    /// The largest difference between the twin's text in f64 and the Rust function, as a share of what rounding in f64 may
+    /// leave; 1 is the limit.
+    pub meaning: f64,
+    /// How many results of the text in f64 differ by more.
+    pub misunderstood: usize,
     /// The input of the result furthest outside what is allowed or, where none is, of the largest error.
     pub worst: Option<Worst>,
 }
 
 impl Comparison {
-    /// Whether every result was allowed.
+    /// Whether every result was allowed, and the text means what the Rust function says.
     pub fn agrees(&self) -> bool {
-        self.outside == 0
+        self.outside == 0 && self.misunderstood == 0
     }
 }
 
@@ -83,11 +95,11 @@ pub fn compare(gpu: &Gpu, twin: &Twin, samples: usize) -> Result<Comparison, Gpu
 ///
 /// Whatever stops the kernel from being built or run.
 pub fn compare_source(gpu: &Gpu, twin: &Twin, source: &str, samples: usize) -> Result<Comparison, GpuError> {
-    let rows: Vec<Vec<f32>> = (0..samples as u64)
-        .map(|index| (twin.sample)(&mut Draw::new(index)).into_iter().map(|value| value as f32).collect())
-        .collect();
-    let outputs = map_source(gpu, twin, source, &rows, table::buffers(source))?;
-    Ok(judge(twin, &twin.double, &twin.allowed, &rows, &outputs))
+    let rows = sampled(twin, samples);
+    let stacks = buffers(source);
+    let outputs = map_source(gpu, twin, source, &rows, stacks)?;
+    let reference = Reference::new(twin, source, &twin.double, &rows, stacks)?;
+    Ok(judge(twin, &reference, &rows, &outputs))
 }
 
 /// Compares the twin of a stack's model with the Rust function over this many pairs of directions.
@@ -111,19 +123,89 @@ pub fn compare_stack(gpu: &Gpu, stack: &Stack<f32, 3>, samples: usize) -> Result
         })
         .collect();
     let outputs = map_twin(gpu, &twin, &rows, &stacks)?;
-    fn pair<R: Real>(arguments: &[R]) -> [Vector<R>; 2] {
-        [0, 3].map(|at| Vector::new(arguments[at], arguments[at + 1], arguments[at + 2]))
-    }
-    let (double, interval) = (stack.cast::<f64>(), stack.cast::<WgslInterval>());
+    let double = stack.cast::<f64>();
     let double = |a: &[f64]| {
-        let [wi, wo] = pair(&a[start..]);
+        let [wi, wo] = [start, start + 3].map(|at| Vector::new(a[at], a[at + 1], a[at + 2]));
         double.evaluate(wi, wo).to_vec()
     };
-    let allowed = |a: &[WgslInterval]| {
-        let [wi, wo] = pair(&a[start..]);
-        interval.evaluate(wi, wo).to_vec()
-    };
-    Ok(judge(&twin, &double, &allowed, &rows, &outputs))
+    let reference = Reference::new(&twin, &linked(&twin)?, &double, &rows, &stacks)?;
+    Ok(judge(&twin, &reference, &rows, &outputs))
+}
+
+/// How well the text of a twin means what the Rust function says, both in double precision.
+#[derive(Clone, Debug)]
+pub struct Meaning {
+    /// The largest relative difference.
+    pub relative: f64,
+    /// The largest difference as a share of what rounding in f64 may leave; 1 is the limit.
+    pub share: f64,
+    /// How many results differ by more.
+    pub misunderstood: usize,
+    /// The arguments of the largest share, which result it is, what the text says and what the function.
+    pub worst: Option<(Vec<f32>, usize, f64, f64)>,
+}
+
+/// Compares the meaning of a text with the Rust function of a twin; no adapter is needed.
+///
+/// # Errors
+///
+/// A text that is invalid or cannot be evaluated.
+pub fn compare_meaning(twin: &Twin, source: &str, samples: usize) -> Result<Meaning, GpuError> {
+    let rows = sampled(twin, samples);
+    let reference = Reference::new(twin, source, &twin.double, &rows, buffers(source))?;
+    let mut result = Meaning { relative: 0.0, share: 0.0, misunderstood: 0, worst: None };
+    for (row, ((want, allowed), meaning)) in
+        rows.iter().zip(reference.want.iter().zip(&reference.allowed).zip(&reference.meaning))
+    {
+        for (output, ((want, allowed), meaning)) in want.iter().zip(allowed).zip(meaning).enumerate() {
+            let (share, relative) = derived::difference(twin, *want, *allowed, *meaning);
+            result.relative = result.relative.max(relative);
+            result.misunderstood += usize::from(share > 1.0);
+            if share > result.share {
+                result.share = share;
+                result.worst = Some((row.clone(), output, *meaning, *want));
+            }
+        }
+    }
+    Ok(result)
+}
+
+/// The arguments of this many samples.
+fn sampled(twin: &Twin, samples: usize) -> Vec<Vec<f32>> {
+    let row = |index| (twin.sample)(&mut Draw::new(index)).into_iter().map(|value| value as f32).collect();
+    (0..samples as u64).map(row).collect()
+}
+
+/// What a twin is judged by, row by row.
+struct Reference {
+    /// The Rust function in f64.
+    want: Vec<Vec<f64>>,
+    /// What WGSL allows the text.
+    allowed: Vec<Vec<WgslInterval>>,
+    /// The text in f64.
+    meaning: Vec<Vec<f64>>,
+}
+
+impl Reference {
+    fn new(
+        twin: &Twin,
+        source: &str,
+        double: &dyn Fn(&[f64]) -> Vec<f64>,
+        rows: &[Vec<f32>],
+        stacks: &StackBuffers,
+    ) -> Result<Self, GpuError> {
+        let exact = |row: &Vec<f32>| double(&row.iter().map(|x| f64::from(*x)).collect::<Vec<_>>());
+        let points = |row: &Vec<f32>| row.iter().map(|x| WgslInterval::exactly(*x)).collect::<Vec<_>>();
+        Ok(Reference {
+            want: rows.iter().map(exact).collect(),
+            allowed: match twin.judge {
+                Judge::Allowed => derived::allowed(twin, source, rows, stacks)?,
+                // To be exact is what these promise, and what intervals take them at their word for.
+                Judge::ErrorFree => rows.iter().map(|row| (twin.allowed)(&points(row))).collect(),
+            },
+            meaning: derived::meaning(twin, source, rows, stacks)?,
+        })
+    }
 }
 
 /// The twin that evaluates stacks under a model, where there is one.
@@ -133,7 +215,7 @@ pub fn stack_twin(model: Model) -> Option<Twin> {
 
 /// Appends a stack to what the twins read. Returns what the twin of its model takes before the two directions: the first
 /// layer, the number of layers and, under [`Model::Coupled`], the first row of the table.
-pub fn stack_arguments(stack: &Stack<f32, 3>, stacks: &mut StackBuffers) -> Vec<f32> {
+pub fn stack_arguments<R: Real>(stack: &Stack<R, 3>, stacks: &mut StackBuffers) -> Vec<f32> {
     let place = stacks.push(stack);
     let table = (stack.model() == Model::Coupled).then_some(place.table);
     [place.first, place.count].into_iter().chain(table).map(|index| index as f32).collect()
@@ -172,7 +254,7 @@ fn map_source(
     rows: &[Vec<f32>],
     stacks: &StackBuffers,
 ) -> Result<Outputs, GpuError> {
-    let (bindings, storage) = stacks.complete(source);
+    let bindings = stacks.bindings(source);
     let kernel = Kernel::new(gpu, source, &wgsl::mangled(twin.module, twin.function), Some(&bindings))?;
     let leaves = kernel.signature().inputs();
     let word = |(value, leaf): (&f32, &Leaf)| match leaf.scalar {
@@ -181,6 +263,8 @@ fn map_source(
         Scalar::I32 => (*value as i32).cast_unsigned(),
     };
     let words: Vec<u32> = rows.iter().flat_map(|row| row.iter().zip(&leaves).map(word)).collect();
+    let storage = stacks.storage(source);
+    let storage: Vec<&[u8]> = storage.iter().map(Vec::as_slice).collect();
     let values = kernel.run(&words, &storage)?.into_iter().map(f32::from_bits).collect();
     let name = |leaf: Leaf| leaf.name;
     Ok(Outputs {
@@ -191,13 +275,7 @@ fn map_source(
 }
 
 /// Compares an adapter's results with the Rust function.
-fn judge(
-    twin: &Twin,
-    double: &dyn Fn(&[f64]) -> Vec<f64>,
-    allowed: &dyn Fn(&[WgslInterval]) -> Vec<WgslInterval>,
-    rows: &[Vec<f32>],
-    outputs: &Outputs,
-) -> Comparison {
+fn judge(twin: &Twin, reference: &Reference, rows: &[Vec<f32>], outputs: &Outputs) -> Comparison {
     let mut errors = Errors::default();
     let mut result = Comparison {
         module: twin.module,
@@ -210,26 +288,29 @@ fn judge(
         share: 0.0,
         unbounded: 0,
         outside: 0,
+        meaning: 0.0,
+        misunderstood: 0,
         worst: None,
     };
     // What stands out most: a forbidden result before an allowed one, then the larger share or error.
     let mut rank = (false, -1.0);
     let width = outputs.names.len();
-    for (row, got) in rows.iter().zip(outputs.values.chunks_exact(width)) {
+    for (index, (row, got)) in rows.iter().zip(outputs.values.chunks_exact(width)).enumerate() {
         let exact: Vec<f64> = row.iter().map(|x| f64::from(*x)).collect();
-        let points: Vec<WgslInterval> = row.iter().map(|x| WgslInterval::exactly(*x)).collect();
-        let (want, allowed) = (double(&exact), allowed(&points));
-        let (want, allowed, got) = match twin.judge {
-            Judge::Allowed => (want, allowed, got.iter().map(|g| f64::from(*g)).collect()),
-            // The sum of the pair is exact but for products of two roundings, in the interval's second part.
-            Judge::ErrorFree => (
-                vec![want[0] + want[1]],
-                vec![allowed[0].widened(allowed[1])],
-                vec![f64::from(got[0]) + f64::from(got[1])],
-            ),
+        let (want, allowed, meaning) = (&reference.want[index], &reference.allowed[index], &reference.meaning[index]);
+        let got: Vec<f64> = got.iter().map(|g| f64::from(*g)).collect();
+        // The sum of an error-free pair is exact but for products of two roundings, in the interval's second part.
+        let sum = |pair: &[f64]| vec![pair.iter().sum::<f64>()];
+        let (want, allowed, meaning, got) = match twin.judge {
+            Judge::Allowed => (want.clone(), allowed.clone(), meaning.clone(), got),
+            Judge::ErrorFree => (sum(want), vec![allowed[0].widened(allowed[1])], sum(meaning), sum(&got)),
         };
+        for ((want, allowed), meaning) in want.iter().zip(&allowed).zip(meaning) {
+            let (share, _) = derived::difference(twin, *want, *allowed, meaning);
+            result.meaning = result.meaning.max(share);
+            result.misunderstood += usize::from(share > 1.0);
+        }
         for (output, got) in got.into_iter().enumerate() {
-            let got: f64 = got;
             let (want, allowed) = (want[output], allowed[output]);
             let error = (got - want).abs();
             let room = (allowed.high() - want).max(want - allowed.low());

@@ -234,7 +234,7 @@ fn coupled_table() -> &'static StackTable {
 }
 
 /// What a linked twin reads of the stacks that are compared.
-pub(super) fn buffers(source: &str) -> &'static StackBuffers {
+pub fn buffers(source: &str) -> &'static StackBuffers {
     if source.contains("coupled_row(") { &coupled_table().buffers } else { &stack_table().buffers }
 }
 

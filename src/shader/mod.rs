@@ -4,6 +4,7 @@
 //! every type flattened to 32-bit words; [`map_kernel`] writes the compute entry point that maps such a function over rows
 //! of words. Nothing here needs an adapter.
 
+pub mod interp;
 mod kernel;
 mod signature;
 

@@ -42,7 +42,7 @@
 mod error;
 mod link;
 mod names;
-mod token;
+pub(crate) mod token;
 mod unit;
 
 #[cfg(test)]

@@ -7,10 +7,10 @@ use crate::failure::Failure;
 use crate::material::{self, AnyStack, Change};
 use crate::term::{self, Field, Kind, Results, Term, read_fields};
 use brdf::Vector;
-use brdf::gpu::{Gpu, StackBuffers};
+use brdf::gpu::{Gpu, GpuError, StackBuffers};
 use brdf::layered::Model;
 use brdf::layered::description::{Description, Node, Value as Leaf};
-use brdf::parity::{Twin, map_twin, stack_arguments, stack_twin, twins};
+use brdf::parity::{Twin, map_twin, stack_arguments, stack_twin, text_double, text_single, twins};
 use brdf::walk;
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value};
@@ -42,6 +42,10 @@ enum Mode {
     F32,
     /// The Rust functions in double precision.
     F64,
+    /// The WGSL twins evaluated on the CPU in single precision.
+    Wgsl,
+    /// The WGSL twins evaluated on the CPU in double precision.
+    Wgsl64,
     /// The WGSL twins on an adapter.
     Gpu,
 }
@@ -59,7 +63,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
     // An adapter that is missing is said before any input is waited for.
     let gpu = match options.mode {
         Mode::Gpu => Some(Gpu::open(options.adapter.as_deref())?),
-        Mode::F32 | Mode::F64 => None,
+        _ => None,
     };
     let (mut questions, mut objects) = (Vec::new(), Vec::new());
     let mut bad_lines = 0;
@@ -85,9 +89,11 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
         }
         objects.push(object);
     }
-    let answers = match gpu {
-        Some(gpu) => on_adapter(&gpu, &questions)?,
-        None => questions.iter().map(|(_, question)| on_cpu(question, options)).collect(),
+    let answers = match (gpu, options.mode) {
+        (Some(gpu), _) => by_twin(&questions, |twin, rows, stacks| on_adapter(&gpu, twin, rows, stacks))?,
+        (None, Mode::Wgsl) => by_twin(&questions, text_single)?,
+        (None, Mode::Wgsl64) => by_twin(&questions, text_double)?,
+        (None, _) => questions.iter().map(|(_, question)| on_cpu(question, options)).collect(),
     };
     for ((index, _), results) in questions.iter().zip(answers) {
         objects[*index].extend(results.into_iter().map(|(name, value)| (name.to_owned(), value)));
@@ -202,15 +208,28 @@ fn twin((module, function): (&str, &str)) -> Twin {
     all[position.expect("every term has a twin")]
 }
 
-/// Answers all questions on an adapter, one run for each function.
-fn on_adapter(gpu: &Gpu, questions: &[(usize, Question)]) -> Result<Vec<Results>, Failure> {
+/// The results of a twin on an adapter.
+fn on_adapter(gpu: &Gpu, twin: &Twin, rows: &[Vec<f64>], stacks: &StackBuffers) -> Result<Vec<Vec<f64>>, GpuError> {
+    let rows: Vec<Vec<f32>> = rows.iter().map(|row| row.iter().map(|x| *x as f32).collect()).collect();
+    let outputs = map_twin(gpu, twin, &rows, stacks)?;
+    let row = |values: &[f32]| values.iter().map(|x| f64::from(*x)).collect();
+    Ok(outputs.values.chunks_exact(outputs.names.len()).map(row).collect())
+}
+
+/// Answers all questions by the WGSL twins, one run for each function.
+fn by_twin(
+    questions: &[(usize, Question)],
+    run: impl Fn(&Twin, &[Vec<f64>], &StackBuffers) -> Result<Vec<Vec<f64>>, GpuError>,
+) -> Result<Vec<Results>, Failure> {
     let mut groups: BTreeMap<(&str, &str), Vec<usize>> = BTreeMap::new();
     for (index, (_, question)) in questions.iter().enumerate() {
         let function = match question {
             Question::Term { term, .. } => term.function,
             Question::Stack { stack, .. } if stack_twin(stack.model()).is_none() => {
                 let model = stack.model().name();
-                return Err(Failure::Input(format!("the model {model} is not evaluated on adapters here")));
+                return Err(Failure::Input(format!(
+                    "the model {model} has no twin that is evaluated here; use --as f64"
+                )));
             }
             Question::Stack { stack, .. } => ("layered", stack.model().name()),
         };
@@ -219,20 +238,17 @@ fn on_adapter(gpu: &Gpu, questions: &[(usize, Question)]) -> Result<Vec<Results>
     let mut answers: Vec<Results> = vec![Vec::new(); questions.len()];
     for (function, members) in groups {
         let mut stacks = StackBuffers::default();
-        let rows: Vec<Vec<f32>> = members
+        let rows: Vec<Vec<f64>> = members
             .iter()
             .map(|index| match &questions[*index].1 {
-                Question::Term { term, fields } => (term.arguments)(fields).into_iter().map(|x| x as f32).collect(),
+                Question::Term { term, fields } => (term.arguments)(fields),
                 Question::Stack { stack, wi, wo, .. } => {
-                    let place = stack_arguments(&stack.three_single(), &mut stacks);
-                    let directions = [wi.x, wi.y, wi.z, wo.x, wo.y, wo.z];
-                    place.into_iter().chain(directions.map(|x| x as f32)).collect()
+                    let place = stack_arguments(&stack.three(), &mut stacks);
+                    place.into_iter().map(f64::from).chain([wi.x, wi.y, wi.z, wo.x, wo.y, wo.z]).collect()
                 }
             })
             .collect();
-        let outputs = map_twin(gpu, &twin(function), &rows, &stacks)?;
-        for (index, values) in members.into_iter().zip(outputs.values.chunks_exact(outputs.names.len())) {
-            let values: Vec<f64> = values.iter().map(|x| f64::from(*x)).collect();
+        for (index, values) in members.into_iter().zip(run(&twin(function), &rows, &stacks)?) {
             answers[index] = match &questions[index].1 {
                 Question::Term { term, fields } => (term.results)(fields, &values),
                 Question::Stack { stack, .. } => stack_results(&values[..stack.channels()]),

@@ -46,12 +46,17 @@ impl AnyStack {
         }
     }
 
-    /// The stack over three channels in f32, as the twins take it.
-    pub(crate) fn three_single(&self) -> Stack<f32, 3> {
+    /// The stack over three channels, as the twins take it.
+    pub(crate) fn three(&self) -> Stack<f64, 3> {
         match self {
-            AnyStack::One(stack) => stack.cast::<f32>().broadcast(),
+            AnyStack::One(stack) => stack.cast::<f64>().broadcast(),
             AnyStack::Three(stack) => stack.cast(),
         }
+    }
+
+    /// The same in f32.
+    pub(crate) fn three_single(&self) -> Stack<f32, 3> {
+        self.three().cast()
     }
 
     /// The BRDF in a number type, a value for each channel.

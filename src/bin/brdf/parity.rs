@@ -21,6 +21,9 @@ pub(crate) struct Options {
     /// Inputs per function.
     #[arg(long, default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     samples: u32,
+    /// Take the tolerance from the text of each function; that is what happens without it too.
+    #[arg(long)]
+    derived: bool,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -33,6 +36,8 @@ struct Run {
 }
 
 pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
+    // There is one way, so that the flag has nothing to choose.
+    let Options { derived: _, .. } = options;
     let matches = |path: &str| options.function.as_deref().is_none_or(|wanted| path.contains(wanted));
     let twins: Vec<_> =
         twins().into_iter().filter(|twin| matches(&format!("{}::{}", twin.module, twin.function))).collect();
@@ -89,7 +94,7 @@ fn run_json(run: &Run) -> Value {
             "samples": row.samples,
             "max_ulp": row.max_ulp, "p999_ulp": row.p999_ulp,
             "max_relative": row.max_relative, "p999_relative": row.p999_relative,
-            "share_of_allowed": row.share,
+            "share_of_allowed": row.share, "meaning_share": row.meaning, "misunderstood": row.misunderstood,
             "unbounded": row.unbounded, "outside": row.outside,
             "worst": row.worst.as_ref().map(|worst| json!({
                 "inputs": worst.inputs.iter().map(|(name, value)| (name.clone(), Value::from(*value)))
@@ -106,13 +111,13 @@ fn print(out: &mut impl Write, run: &Run) -> io::Result<()> {
     writeln!(out, "{}", run.adapter)?;
     writeln!(
         out,
-        "{:8} {:37} {:>7} {:>9} {:>9} {:>9} {:>9} {:>6} {:>5}",
-        "", "function", "samples", "max ULP", "99.9 %", "max rel", "99.9 %", "used", "free"
+        "{:8} {:37} {:>7} {:>9} {:>9} {:>9} {:>9} {:>6} {:>5} {:>6}",
+        "", "function", "samples", "max ULP", "99.9 %", "max rel", "99.9 %", "used", "free", "in f64"
     )?;
     for row in &run.comparisons {
         writeln!(
             out,
-            "{:8} {:37} {:>7} {:>9.3} {:>9.3} {:>9.2e} {:>9.2e} {:>5.0}% {:>5}",
+            "{:8} {:37} {:>7} {:>9.3} {:>9.3} {:>9.2e} {:>9.2e} {:>5.0}% {:>5} {:>5.0}%",
             if row.agrees() { "AGREES" } else { "DIFFERS" },
             format!("{}::{}", row.module, row.function),
             row.samples,
@@ -122,7 +127,11 @@ fn print(out: &mut impl Write, run: &Run) -> io::Result<()> {
             row.p999_relative,
             100.0 * row.share,
             row.unbounded,
+            100.0 * row.meaning,
         )?;
+        if row.misunderstood > 0 {
+            writeln!(out, "{:8}   {} results differ in f64: the text means something else", "", row.misunderstood)?;
+        }
         if let Some(worst) = &row.worst {
             let inputs: Vec<_> = worst.inputs.iter().map(|(name, value)| format!("{name}={value}")).collect();
             writeln!(out, "{:8}   worst: {} = {:e}, want {:e}", "", worst.output, worst.got, worst.want)?;
