@@ -302,7 +302,8 @@ pub(super) fn half_of(x: f64) -> u16 {
         return sign | 0x7c00;
     }
     // The spacing of binary16 there; 2⁻²⁴ among its subnormals.
-    let exponent = (exponent_of(magnitude) - 1).max(-14);
+    // 0 has no exponent of its own: it is one of the subnormals.
+    let exponent = if magnitude == 0.0 { -14 } else { (exponent_of(magnitude) - 1).max(-14) };
     let steps = (magnitude / 2f64.powi(exponent - 10)).round_ties_even() as u16;
     // Steps beyond the spacing carry into the exponent by themselves.
     sign | if exponent == -14 { steps } else { (((exponent + 15) as u16) << 10) + (steps - 1024) }
