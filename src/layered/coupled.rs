@@ -39,7 +39,7 @@ impl<const C: usize> Lazy<C> {
     }
 }
 
-/// A stack prepared for the coupled model: [`Model::Coupled`](super::Model::Coupled) with its cost in sight.
+/// A stack prepared for the coupled model: [`Model::Coupled`] with its cost in sight.
 ///
 /// # Cost
 ///
