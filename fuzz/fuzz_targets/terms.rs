@@ -1,4 +1,4 @@
-//! Every term over any eight numbers: none panics; inside a term's domain the result is finite, not negative, and F ≤ 1.
+//! Every term over any eight numbers (but for the fit and the normalisation, which take a thousand times as long): none panics; inside a term's domain the result is finite, not negative, and F ≤ 1.
 
 #![no_main]
 
@@ -101,11 +101,6 @@ fn domain<R: Real>(input: &Input) {
 fuzz_target!(|input: Input| {
     any_number::<f64>(input.wild);
     any_number::<f32>(input.wild);
-    // These integrate and fit: a thousand times as long as all others together.
-    if input.phi[0] % 1024 == 7 {
-        let _ = distribution::gaussian_normalisation(input.wild[0]);
-        let _ = fresnel::lazanyi_fit(input.wild[0], input.wild[1]);
-    }
     domain::<f64>(&input);
     domain::<f32>(&input);
 });

@@ -20,7 +20,7 @@ const STEP: f64 = 3.0;
 /// What a look into a gap costs: enough for some percent.
 const GLANCE: Effort = Effort { target: 1e-2, evaluations: 1_500, replicates: 0, samples: 0, seed: 1 };
 
-/// Albedo is continuous in θ: where every corner is below this, the gaps between them are not searched.
+/// Albedo is continuous in θ: what stays below this at every angle that was looked at is not searched any closer.
 const WORTH_CLIMBING: f64 = 0.7;
 
 /// Where to integrate, and how hard.

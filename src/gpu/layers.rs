@@ -70,7 +70,9 @@ impl StackBuffers {
             storage.push(layer_bytes(&layers));
         }
         if source.contains("coupled_row(") {
-            let rows: Vec<[f32; 4]> = self.rows.iter().map(|row| row.map(|x| x as f32)).collect();
+            let mut rows: Vec<[f32; 4]> = self.rows.iter().map(|row| row.map(|x| x as f32)).collect();
+            // An adapter refuses an empty buffer.
+            rows.resize(rows.len().max(1), [0.0; 4]);
             storage.push(bytemuck::cast_slice(&rows).to_vec());
         }
         storage

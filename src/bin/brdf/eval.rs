@@ -30,6 +30,9 @@ pub(crate) struct Options {
     /// Walks for each stack under the model `walk`.
     #[arg(long, default_value_t = walk::Options::default().samples, value_parser = clap::value_parser!(u32).range(2..))]
     walks: u32,
+    /// Print JSON, as it always does.
+    #[arg(long)]
+    json: bool,
     /// Seed of the walks.
     #[arg(long, default_value_t = walk::Options::default().seed)]
     seed: u32,

@@ -5,6 +5,7 @@ use brdf::fresnel;
 use brdf::material::metal;
 use clap::{Args, Subcommand};
 use plotters::prelude::*;
+use serde_json::{Value, json};
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -30,6 +31,9 @@ struct FresnelOptions {
     /// The index of the dielectric beside it.
     #[arg(long, default_value_t = 1.5, value_parser = positive)]
     n: f64,
+    /// Print the points of the curves as JSON instead of a picture.
+    #[arg(long)]
+    json: bool,
     /// Write here instead of to the standard output.
     #[arg(long, short)]
     output: Option<PathBuf>,
@@ -46,8 +50,12 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
     let Picture::Fresnel(options) = &options.picture;
     let metal = metal::by_name(&options.metal)
         .ok_or_else(|| format!("--metal {}: no such metal; see `brdf list`", options.metal))?;
-    let picture =
-        fresnel_picture(metal, options.n).map_err(|error| format!("the picture could not be drawn: {error}"))?;
+    let panels = panels(metal, options.n);
+    let picture = if options.json {
+        format!("{:#}\n", as_json(&panels))
+    } else {
+        picture(&panels).map_err(|error| format!("the picture could not be drawn: {error}"))?
+    };
     match &options.output {
         Some(path) => {
             std::fs::write(path, picture).map_err(|error| format!("{}: {error}", path.display()))?;
@@ -71,48 +79,79 @@ const BLUE_LINE: RGBColor = RGBColor(0, 114, 178);
 const GREEN_LINE: RGBColor = RGBColor(0, 158, 115);
 const PINK: RGBColor = RGBColor(204, 121, 167);
 
-fn fresnel_picture(metal: &metal::Metal, n: f64) -> Result<String, Box<dyn std::error::Error>> {
+/// A diagram: its title, the range of the reflectance, its curves.
+struct Panel<'a> {
+    title: String,
+    range: std::ops::Range<f64>,
+    curves: Vec<Curve<'a>>,
+}
+
+/// A dielectric of index `eta`, and a metal.
+fn panels(metal: &metal::Metal, eta: f64) -> [Panel<'_>; 2] {
+    let f0 = fresnel::normal_incidence(eta, 0.0);
+    let dielectric = Panel {
+        title: format!("dielectric, n = {eta}"),
+        range: 0.0..1.0,
+        curves: vec![
+            curve("exact", BLACK_LINE, move |c| fresnel::dielectric(c, eta).reflectance),
+            curve("Schlick", ORANGE, move |c| fresnel::schlick(c, f0).reflectance),
+            curve("Mihaylov eq. 3.6", GREEN_LINE, move |c| fresnel::conductor_approx(c, eta, 0.0)),
+        ],
+    };
+    let (n, k) = (metal.n[0], metal.k[0]);
+    let fit = fresnel::lazanyi_fit(n, k);
+    let f0 = fresnel::normal_incidence(n, k);
+    // The tint that makes F82 exact at its own angle.
+    let c = 1.0 / 7.0;
+    let tint = fresnel::conductor(c, n, k).reflectance / fresnel::schlick(c, f0).reflectance;
+    let low = (0..=90).map(|i| fresnel::conductor(f64::from(i).to_radians().cos(), n, k).reflectance);
+    let low = (low.fold(1.0, f64::min) * 10.0 - 0.5).floor() / 10.0;
+    let conductor = Panel {
+        title: format!("{}, red: n + ik = {n} + {k}i", metal.name),
+        range: low.max(0.0)..1.0,
+        curves: vec![
+            curve("exact", BLACK_LINE, move |c| fresnel::conductor(c, n, k).reflectance),
+            curve("Lazányi, uncorrected", ORANGE, move |c| fresnel::lazanyi_uncorrected(c, n, k)),
+            curve("Lazányi, corrected", BLUE_LINE, move |c| fresnel::lazanyi(c, n, k, fit.a, fit.exponent)),
+            curve("Mihaylov eq. 3.6", GREEN_LINE, move |c| fresnel::conductor_approx(c, n, k)),
+            curve("F82-tint", PINK, move |c| fresnel::f82_tint(c, f0, tint)),
+        ],
+    };
+    [dielectric, conductor]
+}
+
+fn as_json(panels: &[Panel<'_>]) -> Value {
+    let curves = |panel: &Panel<'_>| {
+        let curve = |curve: &Curve<'_>| json!({"label": curve.label, "points": curve.points().collect::<Vec<_>>()});
+        panel.curves.iter().map(curve).collect::<Vec<_>>()
+    };
+    let panel = |panel: &Panel<'_>| json!({"title": panel.title, "curves": curves(panel)});
+    json!({"version": 1, "x": "degrees", "y": "reflectance", "panels": panels.iter().map(panel).collect::<Vec<_>>()})
+}
+
+fn picture(panels: &[Panel<'_>; 2]) -> Result<String, Box<dyn std::error::Error>> {
     // Drawn at twice the size it is shown at: coordinates are whole numbers.
     let mut svg = String::new();
     {
         let area = SVGBackend::with_string(&mut svg, (1920, 840)).into_drawing_area();
         area.fill(&WHITE)?;
         let (left, right) = area.split_horizontally(960);
-        let eta = n;
-        let f0 = fresnel::normal_incidence(eta, 0.0);
-        draw(
-            &left,
-            &format!("dielectric, n = {eta}"),
-            0.0..1.0,
-            vec![
-                curve("exact", BLACK_LINE, move |c| fresnel::dielectric(c, eta).reflectance),
-                curve("Schlick", ORANGE, move |c| fresnel::schlick(c, f0).reflectance),
-                curve("Mihaylov eq. 3.6", GREEN_LINE, move |c| fresnel::conductor_approx(c, eta, 0.0)),
-            ],
-        )?;
-        let (n, k) = (metal.n[0], metal.k[0]);
-        let fit = fresnel::lazanyi_fit(n, k);
-        let f0 = fresnel::normal_incidence(n, k);
-        // The tint that makes F82 exact at its own angle.
-        let c = 1.0 / 7.0;
-        let tint = fresnel::conductor(c, n, k).reflectance / fresnel::schlick(c, f0).reflectance;
-        let low = (0..=90).map(|i| fresnel::conductor(f64::from(i).to_radians().cos(), n, k).reflectance);
-        let low = (low.fold(1.0, f64::min) * 10.0 - 0.5).floor() / 10.0;
-        draw(
-            &right,
-            &format!("{}, red: n + ik = {n} + {k}i", metal.name),
-            low.max(0.0)..1.0,
-            vec![
-                curve("exact", BLACK_LINE, move |c| fresnel::conductor(c, n, k).reflectance),
-                curve("Lazányi, uncorrected", ORANGE, move |c| fresnel::lazanyi_uncorrected(c, n, k)),
-                curve("Lazányi, corrected", BLUE_LINE, move |c| fresnel::lazanyi(c, n, k, fit.a, fit.exponent)),
-                curve("Mihaylov eq. 3.6", GREEN_LINE, move |c| fresnel::conductor_approx(c, n, k)),
-                curve("F82-tint", PINK, move |c| fresnel::f82_tint(c, f0, tint)),
-            ],
-        )?;
+        for (area, panel) in [left, right].iter().zip(panels) {
+            draw(area, panel)?;
+        }
         area.present()?;
     }
     Ok(svg)
+}
+
+impl Curve<'_> {
+    /// Angles in degrees and reflectances, a quarter of a degree apart.
+    fn points(&self) -> impl Iterator<Item = (f64, f64)> {
+        (0..=360).map(|i| {
+            let degrees = f64::from(i) * 0.25;
+            (degrees, (self.reflectance)(degrees.to_radians().cos()))
+        })
+    }
 }
 
 fn curve<'a>(label: &'static str, colour: RGBColor, reflectance: impl Fn(f64) -> f64 + 'a) -> Curve<'a> {
@@ -121,18 +160,13 @@ fn curve<'a>(label: &'static str, colour: RGBColor, reflectance: impl Fn(f64) ->
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
-fn draw(
-    area: &Area<'_>,
-    title: &str,
-    range: std::ops::Range<f64>,
-    curves: Vec<Curve<'_>>,
-) -> Result<(), Box<dyn std::error::Error>> {
+fn draw(area: &Area<'_>, panel: &Panel<'_>) -> Result<(), Box<dyn std::error::Error>> {
     let mut chart = ChartBuilder::on(area)
-        .caption(title, ("sans-serif", 34))
+        .caption(&panel.title, ("sans-serif", 34))
         .margin(24)
         .x_label_area_size(80)
         .y_label_area_size(100)
-        .build_cartesian_2d(0.0..90.0, range)?;
+        .build_cartesian_2d(0.0..90.0, panel.range.clone())?;
     chart
         .configure_mesh()
         .light_line_style(TRANSPARENT)
@@ -144,15 +178,11 @@ fn draw(
         .x_desc("angle of incidence")
         .y_desc("reflectance F")
         .draw()?;
-    for Curve { label, colour, reflectance } in curves {
-        let point = |i: i32| {
-            let degrees = f64::from(i) * 0.25;
-            (degrees, reflectance(degrees.to_radians().cos()))
-        };
-        let style = colour.stroke_width(4);
+    for curve in &panel.curves {
+        let style = curve.colour.stroke_width(4);
         chart
-            .draw_series(LineSeries::new((0..=360).map(point), style))?
-            .label(label)
+            .draw_series(LineSeries::new(curve.points(), style))?
+            .label(curve.label)
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 36, y)], style));
     }
     chart

@@ -59,7 +59,7 @@ pub(super) fn draw(measured: &[Measured], walks: u32) -> Result<String, Box<dyn 
             }
         }
         for ((model, widths), colour) in VARIANTS.into_iter().zip(COLOURS) {
-            let points = rows().filter(|row| (row.model, row.widths) == (model, widths));
+            let points = rows().filter(|row| (row.model, row.widths) == (model, widths) && !row.rms.is_nan());
             let dot = move |(x, y): (f64, f64)| Circle::new((x, y), 9, colour.mix(0.85).filled());
             chart
                 .draw_series(points.map(|row| dot((row.ns, row.rms.clamp(FLOOR, CEILING)))))?

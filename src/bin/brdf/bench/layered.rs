@@ -1,6 +1,6 @@
 //! `brdf bench layered`: every model of a stack against the walk, and what it costs.
 //!
-//! The truth is the walk over the layers as written. Albedos are compared at five angles; f over twenty fixed pairs of
+//! The truth is the walk over the layers as written. Albedos are compared at five angles; f over nineteen fixed pairs of
 //! directions at, beside and away from the mirror direction. A time is the median over repeated runs of f32 evaluations on
 //! one thread, all channels together, at low-discrepancy pairs; only ratios within one run mean something.
 
@@ -81,7 +81,7 @@ pub(super) struct Row {
     pub(super) widths: Widths,
     /// At [`THETAS`], for each channel.
     albedos: Vec<Vec<f64>>,
-    /// The root mean square of f's relative error over the lit pairs.
+    /// The root mean square of f's relative error over the lit pairs; NaN where there is none.
     pub(super) rms: f64,
     /// The relative error of f furthest from 0 over the lit pairs.
     worst: Worst,
@@ -229,7 +229,7 @@ fn row<const C: usize>(stack: &Stack<f64, C>, truth: &Truth) -> Row {
             }
         }
     }
-    let rms = if lit > 0 { (squares / f64::from(lit)).sqrt() } else { 0.0 };
+    let rms = (squares / f64::from(lit)).sqrt();
     Row {
         model: stack.model(),
         widths: stack.widths(),
