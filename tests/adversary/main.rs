@@ -30,7 +30,8 @@ use std::sync::Mutex;
 
 /// The generations of each search: `ordinary`, or as many as the environment asks for.
 fn generations(ordinary: u32) -> u32 {
-    std::env::var("ADVERSARY_GENERATIONS").map_or(ordinary, |text| text.parse().expect("ADVERSARY_GENERATIONS is a number"))
+    std::env::var("ADVERSARY_GENERATIONS")
+        .map_or(ordinary, |text| text.parse().expect("ADVERSARY_GENERATIONS is a number"))
 }
 
 /// Applies `f` to each item on as many threads as there are; the results keep the order of the items.
