@@ -64,12 +64,17 @@ mod albedo {
     fn the_largest_albedos_are_the_documented_ones() {
         let white = Layer::new(Interface::diffuse([1.0], 0.0));
         let thin = Layer::new(Interface::dielectric(0.01022, 0.01));
-        let cases: [Case; 6] = [
+        let mirror = Layer::new(Interface::conductor([1e-3], [1e3], 0.01));
+        let cases: [Case; 9] = [
             // A thin coat over total reflection: three of six searches end here. 1.05 was documented.
             (Model::Conserving, (0.3344, 0.4177), thin, 15.52, 1.19..1.2),
             (Model::Coupled, (0.3344, 0.4177), thin, 15.52, 1.22..1.25),
             (Model::WeidlichWilkie, (0.3344, 0.4177), thin, 15.52, 2.05..2.1),
             (Model::Conserving, (0.408, 0.406), white, 16.2, 1.14..1.16),
+            (Model::WeidlichWilkie, (1.1223, 0.01), white, 89.999, 1.92..1.95),
+            // No compression by 1/n²: a lobe seen through the coat is n² times as wide.
+            (Model::Elek, (3.0, 0.01), mirror, 0.0, 4.5..5.5),
+            (Model::Elek, (10.0, 0.01), mirror, 0.0, 10.0..12.0),
             // Coats that the tables take as smooth: the rough one reflects more, at 83° by .001. ≤ 1 was documented.
             (Model::Coupled, (1.005, 0.02), white, 84.97, 1.000_5..1.001_2),
             (Model::Conserving, (1.005, 0.02), white, 84.97, 0.98..1.0),
