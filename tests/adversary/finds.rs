@@ -9,11 +9,11 @@ use brdf::layered::{Interface, Layer, Model, Stack};
 
 /// The largest errors in ULP: the bound is kept, and the measured error is at least what was found.
 ///
-/// 2026-11, 35 140 evaluations each: the four terms that are not the rounding of a result in double precision.
+/// 2026-11, 210 140 evaluations each: the four terms with more than the rounding of a result in double precision to show.
 #[test]
 fn the_largest_errors_are_within_the_documented_bounds() {
     let finds: [(&str, &str, &[f32], f64); 4] = [
-        ("masking", "v_cavity", &[0.468682, 0.88336694, 0.00024797884, 0.54538715, -0.8381843, 2.5002957e-6], 3.03),
+        ("masking", "v_cavity", &[0.86626387, 0.49958676, 1.0071361e-6, -0.8632172, 0.50483274, 1.0095494e-6], 3.4),
         ("masking", "kelemen", &[0.5598379, 0.6607432, 0.5, -0.55968785, -0.66072536, 0.5001915], 2.99),
         ("real", "erfcx", &[6.60639e-5], 0.58),
         ("real", "exp_product", &[0.22935086, 144.6741], 0.99),
