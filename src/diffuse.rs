@@ -55,7 +55,7 @@ impl<R: Real> OrenNayar<R> {
 /// C1 = 1 − 0.5σ²/(σ²+0.33); C2 = 0.45σ²/(σ²+0.09)·sinα, less (2β/π)³ inside for cosΔφ < 0;
 /// C3 = 0.125σ²/(σ²+0.09)·(4αβ/π²)². cosΔφ is 0 where a direction is the normal.
 ///
-/// At σ = 0 it is Lambert's. Its albedo reaches 1.051 (σ = .3, grazing): the model itself gains energy there.
+/// At σ = 0 it is Lambert's. Reciprocal to the last bit. Its albedo reaches 1.051 (σ = .3, grazing): the model itself gains energy there.
 ///
 /// Error in f32: ≤ 1 ULP; past 0.6 only where the terms of `direct` cancel. No trigonometry but two angles, by a polynomial.
 /// Source: Oren & Nayar 1994, eq. 27–29 of the technical report; Mihaylov 2013, eq. 4.15–4.23 (with errata 19–21).
@@ -73,8 +73,9 @@ pub(crate) fn oren_nayar_wide<W: Real, R: Real<Wide = W>>(wi: Vector<W>, wo: Vec
     let (sin_i, sin_o) = (wi.sin_squared().sqrt(), wo.sin_squared().sqrt());
     let (cos_i, cos_o) = (lit_or_one(wi.z), lit_or_one(wo.z));
 
-    // The polar angle is the larger where the cosine is the smaller.
-    let i_larger = cos_i.lt(cos_o);
+    // The polar angle is the larger where the cosine is the smaller; of two rounded to one cosine, where the sine is larger,
+    // or the order of the two would show.
+    let i_larger = cos_i.lt(cos_o) | (cos_i.le(cos_o) & sin_i.gt(sin_o));
     let sin_alpha = W::select(i_larger, sin_i, sin_o);
     let (least, most) = (cos_i.min(cos_o), cos_i.max(cos_o));
     let sin_beta = W::select(i_larger, sin_o, sin_i);

@@ -16,6 +16,22 @@
 //! * Errors are in ULP, the spacing of the number type at the exact result, for inputs that are exact: each stated bound
 //!   is asserted by `tests/accuracy`, which reads it from the documentation and measures it (`docs/accuracy.md`).
 //!
+//! # Outside the domain
+//!
+//! No input makes a function panic. Every function states its domain; of finite numbers outside it `tests/adversary` holds:
+//!
+//! * Directions and half vectors of any length in [1e-20, 1e20], on either side of the horizon; widths in [1e-30, 1e10];
+//!   indices n in [1e-30, 1e30], κ in [0, 1e30]; σ, thickness and exponents in [0, 1e30]; cosines and shares in [0, 1]: the
+//!   result is finite and ≥ 0 (a component of a vector or a part of a sum may be negative). It is what the formula gives;
+//!   only unit directions make it a BRDF. A component of a refracted direction may be ±∞ where it exceeds the number type.
+//! * With a direction or half vector at or below the horizon every distribution, masking term and BRDF is 0. Fresnel terms,
+//!   refraction, projected areas and [`microfacet::cos_half`] do not ask which side it is on.
+//! * Cosines and shares in [−2, 2] give no NaN, but are not clamped: F may exceed 1, T or a diffuse term be negative.
+//! * A width or an index of 0 may give NaN where its limit depends on the direction (α at the normal, η = 0); a negative
+//!   width of one axis gives a negative D. NaN and infinite arguments may give anything, NaN included.
+//!
+//! A [`layered::Stack`] refuses parameters outside the stated ranges when it is made.
+//!
 //! # From a direction to radiance
 //!
 //! [`real`] and [`frame`] are the numbers and directions; [`fresnel`], [`distribution`], [`masking`], [`diffuse`],

@@ -131,9 +131,10 @@ impl<R: Real, const C: usize> Layer<R, C> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Model {
-    /// The documents' model as printed, with normalised microfacets: [`elek`]. It gains energy, up to 2.8 times.
+    /// The documents' model as printed, with normalised microfacets: [`elek`]. It gains energy without bound as n
+    /// grows, 2.8 times on the documents' stacks.
     Elek,
-    /// Refraction about the reflecting microfacet, relative indices: [`weidlich_wilkie`]. It gains energy, up to 1.8 times.
+    /// Refraction about the reflecting microfacet, relative indices: [`weidlich_wilkie`]. It gains energy, up to twice.
     WeidlichWilkie,
     /// Full Fresnel transmittance of both directions and 1/n² compression: [`conserving`]. The default.
     #[default]

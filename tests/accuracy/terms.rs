@@ -41,6 +41,12 @@ impl Term {
     pub(crate) fn name(&self) -> String {
         format!("{}::{}", self.module, self.function)
     }
+
+    /// Whether a result is large enough to be measured. Where no light gets through there is nothing to be off by: total
+    /// reflection, g² below 0.
+    pub(crate) fn measures(&self, want: f64) -> bool {
+        want.abs() >= self.least && !(self.function == "refracted_square" && want < 0.0)
+    }
 }
 
 /// Fills up to three results.
