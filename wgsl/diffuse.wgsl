@@ -25,7 +25,7 @@ fn oren_nayar(wi: vec3f, wo: vec3f, sigma: f32) -> OrenNayar {
 
     // The polar angle is the larger where the cosine is the smaller; of two rounded to one cosine, where the sine is larger,
     // or the order of the two would show.
-    let i_larger = cos_i < cos_o || (cos_i <= cos_o && sin_i > sin_o);
+    let i_larger = (cos_i < cos_o) | ((cos_i <= cos_o) & (sin_i > sin_o));
     let sin_alpha = select(sin_o, sin_i, i_larger);
     let sin_beta = select(sin_i, sin_o, i_larger);
     let least = min(cos_i, cos_o);
