@@ -136,6 +136,7 @@ impl<'a, N: Number> Lowering<'a, N> {
             _ => return Err(self.unsupported(scope, "a function of overrides in a constant")),
         };
         self.depth -= 1;
+        self.list(slots.len())?;
         self.constants.insert(handle, Rc::clone(&slots));
         Ok(slots)
     }
@@ -309,6 +310,7 @@ impl<'a, N: Number> Lowering<'a, N> {
                 return Err(self.unsupported(scope, "a result before its statement"));
             }
         };
+        self.list(slots.len())?;
         Ok(Value::Data(slots))
     }
 }
