@@ -103,7 +103,8 @@ fn a_row_without_end_is_unbounded_and_others_are_not() {
     }
     // What ended before the steps did keeps its result.
     let source = "fn f(x: f32) -> f32 { if x < 1.0 { return x; } loop { } return x; }";
-    if let Ok(shader) = Shader::in_double(source) {
+    {
+        let shader = Shader::in_double(source).unwrap();
         let program = Program::<WgslInterval>::new(&shader, "f").unwrap().with_budget(1000);
         let cells = [0.5, 2.0].map(|x| Cell::Real(WgslInterval::exactly(x)));
         let results = program.run(&cells, &mut Buffers::new()).unwrap();
@@ -139,7 +140,6 @@ fn a_subnormal_number_may_count_as_0() {
         "fn f(x: f32) -> f32 { return 1e-40 * 1e38 * (x - x + 1.0); }",
         "fn f(x: f32) -> f32 { return bitcast<f32>(71362u) * 1e38; }",
     ] {
-        let Ok(_) = Shader::in_double(source) else { continue };
         let (low, high) = times(source);
         assert!(low <= 0.0 && high > 0.009, "{source}: {low} {high}");
     }
@@ -198,5 +198,42 @@ fn deep_modules_are_refused_or_fit_the_stack() {
     };
     for count in [10, 100, 240, 400, 490, 5000, 20_000] {
         run(count);
+    }
+}
+
+#[test]
+fn constants_are_computed_in_double_precision() {
+    for (source, want) in [
+        (
+            "const PI = 3.14159265; const INV_PI = 1.0 / PI; fn f(x: f32) -> f32 { return x * INV_PI; }",
+            1.0 / 3.14159265,
+        ),
+        ("const A: f32 = 3.1; const B: f32 = A * A; fn f(x: f32) -> f32 { return x * B; }", 3.1 * 3.1),
+        ("const A: f32 = 2; const B: f32 = -A; fn f(x: f32) -> f32 { return x * B; }", -2.0),
+        ("override K: f32 = 2.0 / 3.0; fn f(x: f32) -> f32 { return x * K; }", 2.0 / 3.0),
+        ("override K: f32 = sqrt(2.0); fn f(x: f32) -> f32 { return x * K; }", 2f64.sqrt()),
+        ("var<private> p: f32 = 1.0 / 3.0; fn f(x: f32) -> f32 { return x * p; }", 1.0 / 3.0),
+        ("fn f(x: f32) -> f32 { const k = 4.0; const m = k / 3.0; return x * m; }", 4.0 / 3.0),
+        ("fn f(x: f32) -> f32 { let a = sqrt(2.0); return x * a; }", 2f64.sqrt()),
+        ("fn f(x: f32) -> f32 { return x * max(0.5, 0.25); }", 0.5),
+        ("fn f(x: f32) -> f32 { return x * f32(i32(2.5)); }", 2.0),
+        ("fn f(x: f32) -> f32 { return x * (vec3f(1, 2, 3) / 7).y; }", 2.0 / 7.0),
+        ("const V = vec2f(0.1, 0.2) * 0.3; fn f(x: f32) -> f32 { return x * V.y; }", 0.2 * 0.3),
+        ("const N = u32(2.5); fn f(x: f32) -> f32 { var a: array<f32, N>; a[1] = x; return a[1] * 0.1; }", 0.1),
+        ("const C = 0.5; const D = C < 1.0; fn f(x: f32) -> f32 { return select(2.0, x, D); }", 1.0),
+        (
+            "const M = mat2x2f(1, 2, 3, 4); fn f(x: f32) -> f32 { return (M * vec2f(0.1, x)).x * (1.0 / 3.0); }",
+            3.1 / 3.0,
+        ),
+        ("fn f(x: f32) -> f32 { let real_0 = 1.0 / 3.0; return x * real_0; }", 1.0 / 3.0),
+    ] {
+        let shader = Shader::in_double(source).unwrap_or_else(|error| panic!("{error}\n{source}"));
+        let program = Program::<f64>::new(&shader, "f").unwrap_or_else(|error| panic!("{error}\n{source}"));
+        let results = program.run(&[Cell::Real(1.0)], &mut Buffers::new());
+        let Ok([Cell::Real(result)]) = results.as_deref() else { panic!("{source}: {results:?}") };
+        assert!((result - want).abs() < 1e-15, "{source}: {result} {want}");
+        // Intervals hold it.
+        let (low, high) = bounds(source, &[1.0])[0];
+        assert!(low <= want && want <= high && high - low < 1e-5, "{source}: {low} {high}");
     }
 }

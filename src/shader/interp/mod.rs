@@ -41,6 +41,7 @@ mod lower;
 mod machine;
 mod mask;
 mod number;
+mod opaque;
 mod program;
 mod retype;
 mod words;
@@ -101,15 +102,28 @@ impl Shader {
     /// and buffers stay as written.
     ///
     /// # Errors
-    /// Those of [`Shader::parse`]; `f16`; and, rarely, a module that is only valid in single precision: one that passes
-    /// f32 between shader stages, or calls a builtin function of constants (naga does not compute those of f64).
+    /// Those of [`Shader::parse`]; `f16`; and, rarely, a module that is only valid in single precision. Such a module
+    /// passes f32 between shader stages, or has constants whose types ask for constants of floating point: an array length
+    /// or a `case` computed from some within a function, a vector constant made of another vector constant, arithmetic of
+    /// whole numbers converted (`f32(2u) * f32(N)`). naga computes no constants of f64; others are kept from it.
     pub fn in_double(source: &str) -> Result<Self, ShaderError> {
         depth::bounded(source)?;
         let written = Module::parse(source)?;
         let text = retype::in_double(source, &written)?;
-        let module =
-            Module::parse(&text).map_err(|error| ShaderError::plain(format!("in double precision, {error}")))?;
+        let (module, text) = match Module::parse(&text) {
+            Ok(module) => (module, text),
+            Err(error) => {
+                Self::unfolded(source).map_err(|_| ShaderError::plain(format!("in double precision, {error}")))?
+            }
+        };
         Ok(Shader { module, written: Some(written), text })
+    }
+
+    /// The module in double precision and its text, where it has constant expressions of floating point.
+    fn unfolded(source: &str) -> Result<(Module, String), ShaderError> {
+        let text = opaque::unfolded(source)?;
+        let text = retype::in_double(&text, &Module::parse(&text)?)?;
+        Ok((Module::parse(&text)?, text))
     }
 
     /// The module as written.

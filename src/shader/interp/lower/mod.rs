@@ -16,6 +16,7 @@ use super::layout::{Kind, Layout};
 use super::number::Number;
 use super::words::{Word1, Word2};
 use super::{Known, Shader};
+use expression::{Expressions, Types};
 use naga::{Expression, Function, Handle, Span, TypeInner};
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -76,7 +77,8 @@ pub(super) struct Lowering<'a, N: Number> {
     real_constants: HashMap<u64, u32>,
     word_constants: HashMap<u32, u32>,
     globals: HashMap<Handle<naga::GlobalVariable>, Pointer>,
-    constants: HashMap<Handle<Expression>, Rc<[Slot]>>,
+    /// The values of the module's expressions.
+    constants: Vec<Option<Value>>,
     callees: HashMap<Key, Callee>,
     instructions: usize,
     slots: usize,
@@ -88,8 +90,7 @@ pub(super) struct Lowering<'a, N: Number> {
 /// The function that is being lowered.
 struct Scope<'a, N> {
     name: String,
-    function: &'a Function,
-    info: &'a naga::valid::FunctionInfo,
+    code: Expressions<'a>,
     values: Vec<Option<Value>>,
     locals: HashMap<Handle<naga::LocalVariable>, Pointer>,
     arguments: Vec<Value>,
@@ -217,7 +218,7 @@ impl<'a, N: Number> Lowering<'a, N> {
             real_constants: HashMap::new(),
             word_constants: HashMap::new(),
             globals: HashMap::new(),
-            constants: HashMap::new(),
+            constants: vec![None; module.global_expressions.len()],
             callees: HashMap::new(),
             instructions: 0,
             slots: 0,
@@ -260,8 +261,7 @@ impl<'a, N: Number> Lowering<'a, N> {
         self.enter()?;
         let mut scope = Scope {
             name: name.to_owned(),
-            function,
-            info,
+            code: Expressions { arena: &function.expressions, types: Types::Function(info) },
             values: vec![None; function.expressions.len()],
             locals: HashMap::new(),
             arguments: Vec::new(),
