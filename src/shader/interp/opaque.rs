@@ -208,16 +208,16 @@ impl Text<'_> {
         self.word(index - 1) != "." && (double_type(word).is_some() || names.contains(word))
     }
 
-    /// The whole numbers that stand alone as arguments of a type of floating point: `vec2f(1, 2)`, `f32(3u)`.
+    /// The whole numbers that stand alone as arguments of a type of floating point: `vec2f(1, 2)`, `vec2<f32>(1)`.
     fn components(&self) -> HashSet<usize> {
         let mut found = HashSet::new();
         for index in 0..self.tokens.len() {
             let in_template = self.word(index) == "f32" && self.word(index + 1) == ">";
             let open = if in_template { index + 2 } else { index + 1 };
-            if double_type(self.word(index)).is_none() || self.word(open) != "(" {
+            let of_bits = in_template && index > 1 && self.word(index - 2) == "bitcast";
+            if double_type(self.word(index)).is_none() || self.word(open) != "(" || of_bits {
                 continue;
             }
-            // `array<f32, n>` ends otherwise; `array<f32>(1, 2)` has elements of the type all the same.
             let mut depth = 0;
             for at in open..self.tokens.len() {
                 match self.word(at) {
