@@ -90,7 +90,8 @@ pub trait Real:
     fn to_f64(self) -> f64;
     /// This number as the terms compute with it, exactly.
     fn widen(self) -> Self::Wide;
-    /// The nearest number to a term's result; the largest of this type where the result is larger.
+    /// The nearest number to a term's result. Over `f32` the largest of this type where the result is larger; the other
+    /// types, which are as wide as their terms, leave it as it is: infinite where it overflowed.
     fn narrow(wide: Self::Wide) -> Self;
 
     /// √x.

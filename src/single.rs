@@ -10,6 +10,8 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// An f32 whose terms compute in f32 throughout.
 ///
+/// A term that overflows is infinite here, where over `f32` it is the largest finite number.
+///
 /// ```
 /// use brdf::{Vector, distribution, single::Single};
 ///

@@ -4,6 +4,7 @@
 #[path = "../adapters/mod.rs"]
 mod adapters;
 mod builtins;
+mod confirmed;
 mod hostile;
 mod intervals;
 mod programs;

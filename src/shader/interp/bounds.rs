@@ -69,6 +69,12 @@ impl<T: AccuracyTable> Number for Interval<T> {
     fn from_single(value: f32) -> Self {
         if value.is_finite() { Self::exactly(value) } else { Self::UNKNOWN }
     }
+    fn flushed(self) -> Self {
+        let tiny = f64::from(f32::MIN_POSITIVE);
+        let low = if self.low() > 0.0 && self.low() < tiny { 0.0 } else { self.low() };
+        let high = if self.high() < 0.0 && self.high() > -tiny { 0.0 } else { self.high() };
+        Self::new(low, high)
+    }
     fn from_whole(value: i64) -> Self {
         Self::from_f64(value as f64)
     }

@@ -45,6 +45,8 @@ pub(super) struct Machine<'c, N: Number> {
     /// The steps left, and those given.
     left: u64,
     budget: u64,
+    /// Lanes were lost because no steps were left.
+    exhausted: bool,
 }
 
 /// Where lanes went that left a block early.
@@ -65,6 +67,7 @@ impl<'c, N: Number> Machine<'c, N> {
             forks: Vec::new(),
             left: budget,
             budget,
+            exhausted: false,
         };
         for (column, value) in &code.real_constants {
             machine.reals[*column as usize].fill(*value);
@@ -72,7 +75,10 @@ impl<'c, N: Number> Machine<'c, N> {
         for (column, value) in &code.word_constants {
             machine.words[*column as usize].fill(*value);
         }
-        machine.straight(&code.prologue, &Mask::first(width))?;
+        // Where bools may be open, each run computes them anew: it settles them in place.
+        if !N::MAY_BE_OPEN {
+            machine.straight(&code.prologue, &mut Mask::first(width))?;
+        }
         Ok(machine)
     }
 
@@ -98,15 +104,19 @@ impl<'c, N: Number> Machine<'c, N> {
     /// Runs the main routine in the first lanes. Each is a fresh invocation that meets the forks of its path.
     pub(super) fn run(&mut self, lanes: usize) -> Result<(), InterpError> {
         self.left = self.budget;
+        self.exhausted = false;
         for path in &mut self.paths {
             (path.met, path.lost) = (0, false);
-        }
-        for (to, from) in &self.code.initial {
-            self.copy(*to, *from);
         }
         let code = self.code;
         let mut exits = Exits { broken: Mask::NONE, continued: Mask::NONE };
         let mut live = Mask::first(lanes.min(self.width));
+        if N::MAY_BE_OPEN {
+            self.straight(&code.prologue, &mut live)?;
+        }
+        for (to, from) in &code.initial {
+            self.copy(*to, *from);
+        }
         self.block(&code.routines[code.main].body, &mut live, &mut exits)
     }
 
@@ -129,14 +139,33 @@ impl<'c, N: Number> Machine<'c, N> {
         }
     }
 
-    fn spend(&mut self, steps: u64) -> Result<(), InterpError> {
-        match self.left.checked_sub(steps) {
-            Some(left) => {
-                self.left = left;
-                Ok(())
-            }
-            None => Err(InterpError::Budget(self.budget)),
+    /// Takes steps from the budget. Where none are left nothing is known of the lanes, or the program ends.
+    fn spend(&mut self, steps: u64, live: &mut Mask) -> Result<(), InterpError> {
+        if let Some(left) = self.left.checked_sub(steps) {
+            self.left = left;
+            return Ok(());
         }
+        if !N::MAY_BE_OPEN {
+            return Err(InterpError::Budget(self.budget));
+        }
+        (self.left, self.exhausted) = (0, true);
+        live.lanes().for_each(|lane| self.lose(lane));
+        *live = Mask::NONE;
+        Ok(())
+    }
+
+    /// Whether what the last run leaves in shared memory is known.
+    ///
+    /// # Errors
+    /// [`InterpError::Budget`] where lanes did not end, [`InterpError::Open`] where they went more than one way.
+    pub(super) fn settled(&self) -> Result<(), InterpError> {
+        if self.exhausted {
+            return Err(InterpError::Budget(self.budget));
+        }
+        if !self.forks.is_empty() || self.paths.iter().any(|path| path.lost) {
+            return Err(InterpError::Open);
+        }
+        Ok(())
     }
 
     /// Runs a block; `live` becomes the lanes that reach its end.
@@ -148,6 +177,7 @@ impl<'c, N: Number> Machine<'c, N> {
             match step {
                 Step::Run(instructions) => self.straight(instructions, live)?,
                 Step::If { condition, accept, reject } => {
+                    self.spend(1, live)?;
                     self.decide(*condition, live);
                     let words = &self.words[*condition as usize];
                     let mut yes = live.filtered(words, |word| word != 0);
@@ -160,6 +190,7 @@ impl<'c, N: Number> Machine<'c, N> {
                     self.repeat(body, continuing, *break_if, live)?;
                 }
                 Step::Switch { selector, cases } => {
+                    self.spend(cases.len() as u64, live)?;
                     let mut unmatched = *live;
                     let mut entering = vec![Mask::NONE; cases.len()];
                     for (mask, case) in entering.iter_mut().zip(cases) {
@@ -189,7 +220,7 @@ impl<'c, N: Number> Machine<'c, N> {
                     *live = inner.broken.with(&through);
                 }
                 Step::Call(routine) => {
-                    self.spend(1)?;
+                    self.spend(1, live)?;
                     let mut inside = *live;
                     let mut none = Exits { broken: Mask::NONE, continued: Mask::NONE };
                     let code = self.code;
@@ -219,14 +250,7 @@ impl<'c, N: Number> Machine<'c, N> {
         let mut running = *live;
         let mut ended = Mask::NONE;
         while running.any() {
-            if let Err(error) = self.spend(1) {
-                if !N::MAY_BE_OPEN {
-                    return Err(error);
-                }
-                // Whatever these lanes would have become is not known.
-                running.lanes().for_each(|lane| self.lose(lane));
-                return Ok(());
-            }
+            self.spend(1, &mut running)?;
             let mut exits = Exits { broken: Mask::NONE, continued: Mask::NONE };
             self.block(body, &mut running, &mut exits)?;
             running = running.with(&exits.continued);
@@ -309,8 +333,11 @@ impl<'c, N: Number> Machine<'c, N> {
         }
     }
 
-    fn straight(&mut self, instructions: &'c [Instruction<N>], live: &Mask) -> Result<(), InterpError> {
-        self.spend(instructions.len() as u64)?;
+    fn straight(&mut self, instructions: &'c [Instruction<N>], live: &mut Mask) -> Result<(), InterpError> {
+        self.spend(instructions.len() as u64, live)?;
+        if !live.any() {
+            return Ok(());
+        }
         for instruction in instructions {
             self.instruction(instruction, live);
         }

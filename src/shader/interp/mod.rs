@@ -14,7 +14,10 @@
 //!
 //! A comparison may stay open. `select` and the logical operators go on with what is known; a branch, a loop or a whole
 //! number that depends on it makes the lane go on as several lanes, one for each way, and the results of a row are the hull
-//! of all of them. A row that would need more than [`MOST_WAYS`] lanes, or that does not end, has unbounded results.
+//! of all of them. A row that would need more than [`MOST_WAYS`] lanes, or that does not end, has unbounded results; so
+//! has a row that the steps of its block no longer suffice for.
+//!
+//! A subnormal argument, literal or number of a buffer may count as 0, as WGSL allows.
 //!
 //! # Speed
 //!
@@ -23,19 +26,22 @@
 //!
 //! # What differs from a device
 //!
-//! * An index out of bounds means the nearest element. Integers wrap, x/0 = x, x % 0 = 0, as WGSL has it.
+//! * An index out of bounds, taken as unsigned, means the last element: `a[-1]` too. Integers wrap, x/0 = x, x % 0 = 0, as WGSL has it.
 //! * Invocations of a plain function are workgroups of one. Those of an entry point run in lockstep as a workgroup.
 //! * Textures, derivatives, `discard`, subgroups, ray tracing, `f16` and integers of other than 32 bits are refused.
-//! * A program that takes too many steps ends with an error: see [`Program::with_budget`].
+//! * A program that takes too many steps ends with an error, over intervals with unbounded results: see
+//!   [`Program::with_budget`].
 
 mod bounds;
 mod code;
+mod depth;
 mod error;
 mod layout;
 mod lower;
 mod machine;
 mod mask;
 mod number;
+mod opaque;
 mod program;
 mod retype;
 mod words;
@@ -84,8 +90,9 @@ impl Shader {
     /// Parses a module, to be evaluated as written: literals are rounded to f32.
     ///
     /// # Errors
-    /// Those of [`Module::parse`].
+    /// Those of [`Module::parse`]; more than 500 operators around one operand or 250 `else if` around one statement.
     pub fn parse(source: &str) -> Result<Self, ShaderError> {
+        depth::bounded(source)?;
         Ok(Shader { module: Module::parse(source)?, written: None, text: source.to_owned() })
     }
 
@@ -95,14 +102,28 @@ impl Shader {
     /// and buffers stay as written.
     ///
     /// # Errors
-    /// Those of [`Module::parse`]; `f16`; and, rarely, a module that is only valid in single precision: one that passes
-    /// f32 between shader stages, or calls a builtin function of constants (naga does not compute those of f64).
+    /// Those of [`Shader::parse`]; `f16`; and, rarely, a module that is only valid in single precision. Such a module
+    /// passes f32 between shader stages, or has constants whose types ask for constants of floating point: an array length
+    /// or a `case` computed from some within a function, a vector constant made of another vector constant, arithmetic of
+    /// whole numbers converted (`f32(2u) * f32(N)`). naga computes no constants of f64; others are kept from it.
     pub fn in_double(source: &str) -> Result<Self, ShaderError> {
+        depth::bounded(source)?;
         let written = Module::parse(source)?;
         let text = retype::in_double(source, &written)?;
-        let module =
-            Module::parse(&text).map_err(|error| ShaderError::plain(format!("in double precision, {error}")))?;
+        let (module, text) = match Module::parse(&text) {
+            Ok(module) => (module, text),
+            Err(error) => {
+                Self::unfolded(source).map_err(|_| ShaderError::plain(format!("in double precision, {error}")))?
+            }
+        };
         Ok(Shader { module, written: Some(written), text })
+    }
+
+    /// The module in double precision and its text, where it has constant expressions of floating point.
+    fn unfolded(source: &str) -> Result<(Module, String), ShaderError> {
+        let text = opaque::unfolded(source)?;
+        let text = retype::in_double(&text, &Module::parse(&text)?)?;
+        Ok((Module::parse(&text)?, text))
     }
 
     /// The module as written.

@@ -42,6 +42,10 @@ pub trait Number: Real {
     fn equals(self, other: Self) -> Self::Mask;
     /// The value of an f32, exactly.
     fn from_single(value: f32) -> Self;
+    /// This number as an operand: a subnormal one may count as 0.
+    fn flushed(self) -> Self {
+        self
+    }
     /// The value of a whole number, rounded.
     fn from_whole(value: i64) -> Self;
     /// The bits of this number as an f32, where there is one answer.

@@ -15,7 +15,7 @@ use std::collections::{BTreeMap, VecDeque};
 const BLOCK: usize = 256;
 /// The scalars that a block may hold.
 const MOST_SCALARS: usize = 1 << 24;
-/// The steps of a block of lanes before it counts as endless: instructions, calls and turns of loops.
+/// The steps of a block of lanes before it counts as endless.
 const BUDGET: u64 = 20_000_000;
 /// The most ways that intervals follow through the forks of one row; a row of more has unbounded results.
 pub const MOST_WAYS: usize = 64;
@@ -25,7 +25,7 @@ pub const MOST_WAYS: usize = 64;
 pub enum Cell<N> {
     /// A number.
     Real(N),
-    /// An integer, as its bits; a bool, as 0 or 1.
+    /// An integer, as its bits; a bool, as 0 or 1. As an argument, any other word is a bool that is true.
     Word(u32),
     /// An integer or bool that intervals leave open.
     Open,
@@ -56,6 +56,7 @@ impl Buffers {
     }
 
     /// With a buffer that is not rounded to f32: its scalars one after the other, without padding. It cannot be written.
+    /// Integers are truncated and clamped to their type.
     pub fn with_numbers(mut self, group: u32, binding: u32, numbers: Vec<f64>) -> Self {
         self.contents.insert((group, binding), Content::Numbers(numbers));
         self
@@ -139,7 +140,8 @@ impl<N: Number> Program<N> {
         Ok(Program { code, signature, budget: BUDGET, block: block.min(most.max(1)) })
     }
 
-    /// Sets the steps that a block of lanes may take: instructions, calls and turns of loops; 20 million by default.
+    /// Sets the steps that a block of lanes may take, 20 million by default: instructions, calls, turns of loops, branches,
+    /// cases of switches.
     pub fn with_budget(mut self, steps: u64) -> Self {
         self.budget = steps;
         self
@@ -161,14 +163,18 @@ impl<N: Number> Program<N> {
 
     /// The results of the function for every row of arguments, in the same order.
     ///
-    /// Rows are as [`Signature::inputs`] and [`Signature::outputs`] list them. Buffers that the function writes are changed.
+    /// Rows are as [`Signature::inputs`] and [`Signature::outputs`] list them; a function without parameters takes no cells
+    /// and runs once. Buffers that the function writes are changed.
     ///
     /// # Errors
     /// [`InterpError::Arguments`] for cells that are no whole rows or not of the types of the signature, and for buffers
     /// that are missing or too short; [`InterpError::Budget`]; [`InterpError::Open`].
     pub fn run(&self, rows: &[Cell<N>], buffers: &mut Buffers) -> Result<Vec<Cell<N>>, InterpError> {
         let width = self.row_width(rows.len())?;
-        let count = rows.len() / width.max(1);
+        // A function of nothing has one row.
+        let count = rows.len().checked_div(width).unwrap_or(1);
+        let inputs = self.signature.as_ref().map(Signature::inputs).unwrap_or_default();
+        let is_bool: Vec<bool> = inputs.iter().map(|leaf| leaf.scalar == Scalar::Bool).collect();
         let mut machine = self.machine(count, buffers)?;
         let kinds = &self.code.result_kinds;
         let mut results: Vec<Option<Cell<N>>> = vec![None; count * self.code.results.len()];
@@ -178,10 +184,14 @@ impl<N: Number> Program<N> {
         while !jobs.is_empty() {
             let batch: Vec<Job> = jobs.drain(..jobs.len().min(machine.width())).collect();
             for (lane, job) in batch.iter().enumerate() {
-                for (slot, cell) in self.code.arguments.iter().zip(&rows[job.row * width..]) {
+                let cells = rows.get(job.row * width..).unwrap_or_default();
+                for ((slot, cell), is_bool) in self.code.arguments.iter().zip(cells).zip(&is_bool) {
                     match (*slot, *cell) {
-                        (Slot::Real(column), Cell::Real(value)) => machine.set_real(column, lane, value),
-                        (Slot::Word(column), Cell::Word(value)) => machine.set_word(column, lane, value),
+                        (Slot::Real(column), Cell::Real(value)) => machine.set_real(column, lane, value.flushed()),
+                        (Slot::Word(column), Cell::Word(value)) => {
+                            let word = if *is_bool { u32::from(value != 0) } else { value };
+                            machine.set_word(column, lane, word);
+                        }
                         _ => return Err(self.misfit(job.row)),
                     }
                 }
@@ -190,8 +200,8 @@ impl<N: Number> Program<N> {
                 }
             }
             machine.run(batch.len())?;
-            if writes && (!machine.forks.is_empty() || machine.paths.iter().any(|path| path.lost)) {
-                return Err(InterpError::Open);
+            if writes {
+                machine.settled()?;
             }
             for (lane, choices) in std::mem::take(&mut machine.forks) {
                 let row = batch[lane].row;
@@ -249,9 +259,7 @@ impl<N: Number> Program<N> {
                     self.clear_group(&mut machine);
                     machine.place([x, y, z], groups, self.block);
                     machine.run(self.block)?;
-                    if !machine.forks.is_empty() || machine.paths.iter().any(|path| path.lost) {
-                        return Err(InterpError::Open);
-                    }
+                    machine.settled()?;
                 }
             }
         }
@@ -264,7 +272,7 @@ impl<N: Number> Program<N> {
             return Err(InterpError::Arguments("an entry point is dispatched, not run over rows".to_owned()));
         };
         let width = self.code.arguments.len();
-        if width == 0 || !cells.is_multiple_of(width) {
+        if !cells.is_multiple_of(width) {
             let names: Vec<_> = signature.inputs().into_iter().map(|leaf| leaf.name).collect();
             let (function, names) = (&signature.name, names.join(", "));
             let reason = format!("`{function}`: {cells} cells are no whole rows of {width} ({names})");
@@ -285,9 +293,6 @@ impl<N: Number> Program<N> {
 
     fn machine(&self, rows: usize, buffers: &Buffers) -> Result<Machine<'_, N>, InterpError> {
         let mut machine = Machine::new(&self.code, self.block.min(rows.max(1)), self.budget)?;
-        if !machine.forks.is_empty() || machine.paths.iter().any(|path| path.lost) {
-            return Err(InterpError::Open);
-        }
         for memory in &self.code.memories {
             machine.shared.push(self.filled(memory, buffers)?);
         }
@@ -318,8 +323,11 @@ impl<N: Number> Program<N> {
                 return Err(InterpError::Arguments(reason));
             }
             shared.leaves = numbers.len();
-            shared.reals = numbers.iter().map(|number| N::from_f64(*number)).collect();
-            shared.words = numbers.iter().map(|number| *number as u32).collect();
+            shared.reals = numbers.iter().map(|number| N::from_f64(*number).flushed()).collect();
+            let elements = memory.element.iter().cycle();
+            let kinds =
+                memory.fixed.iter().chain(elements).map(|leaf| leaf.kind).chain(std::iter::repeat(Kind::Unsigned));
+            shared.words = numbers.iter().zip(kinds).map(|(number, kind)| word_of(*number, kind)).collect();
             return Ok(shared);
         }
         let Some(bytes) = buffers.get(group, binding) else {
@@ -339,9 +347,9 @@ impl<N: Number> Program<N> {
             let real = match kind {
                 Kind::Real(8) => {
                     let double = bytes.get(offset..offset + 8).and_then(|bytes| bytes.try_into().ok());
-                    N::from_f64(double.map(f64::from_le_bytes).unwrap_or_default())
+                    N::from_f64(double.map(f64::from_le_bytes).unwrap_or_default()).flushed()
                 }
-                Kind::Real(_) => N::from_single(f32::from_bits(word)),
+                Kind::Real(_) => N::from_single(f32::from_bits(word)).flushed(),
                 _ => N::ZERO,
             };
             shared.reals.push(real);
@@ -389,6 +397,15 @@ fn offsets(memory: &Memory, elements: usize) -> impl Iterator<Item = (Kind, usiz
         memory.element.iter().map(move |leaf| (leaf.kind, base + leaf.offset as usize))
     });
     fixed.chain(runtime)
+}
+
+/// The word of a kind for a number, truncated and clamped to what the kind holds.
+fn word_of(number: f64, kind: Kind) -> u32 {
+    match kind {
+        Kind::Signed => (number as i32).cast_unsigned(),
+        Kind::Bool => u32::from(number != 0.0),
+        _ => number as u32,
+    }
 }
 
 /// What holds on both ways.

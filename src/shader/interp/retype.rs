@@ -87,7 +87,7 @@ pub(super) fn in_double(source: &str, written: &Module) -> Result<String, Shader
 }
 
 /// The type of double precision for a type of single precision.
-fn double_type(word: &str) -> Option<String> {
+pub(super) fn double_type(word: &str) -> Option<String> {
     match word {
         "f32" => return Some("f64".to_owned()),
         "vec2f" | "vec3f" | "vec4f" => return Some(format!("{}<f64>", &word[..4])),
@@ -100,7 +100,7 @@ fn double_type(word: &str) -> Option<String> {
 }
 
 /// The literal of f64 for one of f32; none for whole numbers.
-fn double_literal(text: &str) -> Option<Result<String, String>> {
+pub(super) fn double_literal(text: &str) -> Option<Result<String, String>> {
     let lower = text.to_ascii_lowercase();
     let hex = lower.starts_with("0x");
     let real = if hex { lower.contains(['.', 'p']) } else { lower.contains(['.', 'e']) || lower.ends_with(['f', 'h']) };

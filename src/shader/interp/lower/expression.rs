@@ -5,13 +5,37 @@ use super::super::error::InterpError;
 use super::super::layout::{Kind, kind_of};
 use super::super::number::Number;
 use super::{Lowering, Pointer, Scope, Value};
-use naga::{Expression, Handle, Literal, TypeInner};
+use naga::valid::{FunctionInfo, ModuleInfo};
+use naga::{Arena, Expression, Handle, Literal, TypeInner};
 use std::rc::Rc;
+
+/// Expressions and their types: those of a function, or those of the module.
+#[derive(Clone, Copy)]
+pub(super) struct Expressions<'a> {
+    pub(super) arena: &'a Arena<Expression>,
+    pub(super) types: Types<'a>,
+}
+
+/// Who knows the types of expressions.
+#[derive(Clone, Copy)]
+pub(super) enum Types<'a> {
+    Function(&'a FunctionInfo),
+    Module(&'a ModuleInfo),
+}
+
+impl<'a> Expressions<'a> {
+    fn inner(self, handle: Handle<Expression>, module: &'a naga::Module) -> &'a TypeInner {
+        match self.types {
+            Types::Function(info) => info[handle].ty.inner_with(&module.types),
+            Types::Module(info) => info[handle].inner_with(&module.types),
+        }
+    }
+}
 
 impl<'a, N: Number> Lowering<'a, N> {
     /// The type of an expression.
     pub(super) fn inner(&self, scope: &Scope<'a, N>, handle: Handle<Expression>) -> TypeInner {
-        scope.info[handle].ty.inner_with(&self.module.types).clone()
+        scope.code.inner(handle, self.module).clone()
     }
 
     /// The scalar type of an expression's components.
@@ -81,70 +105,16 @@ impl<'a, N: Number> Lowering<'a, N> {
         scope: &mut Scope<'a, N>,
         handle: Handle<Expression>,
     ) -> Result<Rc<[Slot]>, InterpError> {
-        if let Some(slots) = self.constants.get(&handle) {
-            return Ok(Rc::clone(slots));
+        if matches!(scope.code.types, Types::Module(_)) {
+            return self.data(scope, handle);
         }
-        self.enter()?;
-        let module = self.module;
-        let slots: Rc<[Slot]> = match &module.global_expressions[handle] {
-            Expression::Literal(literal) => self.literal(scope, *literal)?,
-            Expression::Constant(constant) => self.constant(scope, module.constants[*constant].init)?,
-            Expression::Override(o) => match module.overrides[*o].init {
-                Some(init) => self.constant(scope, init)?,
-                None => return Err(self.unsupported(scope, "an override without a default")),
-            },
-            Expression::ZeroValue(ty) => {
-                let kinds = self.kinds(scope, *ty)?;
-                self.zeros(&kinds)?
-            }
-            Expression::Compose { components, .. } => {
-                let mut slots = Vec::new();
-                for component in components {
-                    slots.extend_from_slice(&self.constant(scope, *component)?);
-                }
-                Rc::from(slots)
-            }
-            Expression::Splat { size, value } => {
-                let slots = self.constant(scope, *value)?;
-                slots.iter().copied().cycle().take(slots.len() * *size as usize).collect()
-            }
-            Expression::Swizzle { size, vector, pattern } => {
-                let slots = self.constant(scope, *vector)?;
-                self.swizzled(scope, &slots, *size as usize, pattern)?
-            }
-            Expression::AccessIndex { base, index } => {
-                let slots = self.constant(scope, *base)?;
-                let inner = self.info[*base].inner_with(&module.types).clone();
-                self.part(scope, &slots, &inner, *index)?
-            }
-            // The rest depends on overrides: naga has computed what it could.
-            Expression::Unary { op, expr } => {
-                let (slots, kind) = (self.constant(scope, *expr)?, self.constant_kind(scope, *expr)?);
-                let outer = std::mem::replace(&mut scope.is_prologue, true);
-                let value = self.unary(scope, *op, kind, &slots)?;
-                scope.is_prologue = outer;
-                value
-            }
-            Expression::Binary { op, left, right } => {
-                let (a, b) = (self.constant(scope, *left)?, self.constant(scope, *right)?);
-                let kind = self.constant_kind(scope, *left)?;
-                let outer = std::mem::replace(&mut scope.is_prologue, true);
-                let value = self.binary(scope, *op, kind, &a, &b)?;
-                scope.is_prologue = outer;
-                value
-            }
-            _ => return Err(self.unsupported(scope, "a function of overrides in a constant")),
-        };
-        self.depth -= 1;
-        self.constants.insert(handle, Rc::clone(&slots));
-        Ok(slots)
-    }
-
-    fn constant_kind(&self, scope: &Scope<'a, N>, handle: Handle<Expression>) -> Result<Kind, InterpError> {
-        match self.info[handle].inner_with(&self.module.types).scalar().map(kind_of) {
-            Some(Ok(kind)) => Ok(kind),
-            _ => Err(self.unsupported(scope, "a constant of this type")),
-        }
+        let body = Expressions { arena: &self.module.global_expressions, types: Types::Module(self.info) };
+        let outer = std::mem::replace(&mut scope.code, body);
+        std::mem::swap(&mut scope.values, &mut self.constants);
+        let slots = self.data(scope, handle);
+        std::mem::swap(&mut scope.values, &mut self.constants);
+        scope.code = outer;
+        slots
     }
 
     fn literal(&mut self, scope: &Scope<'a, N>, literal: Literal) -> Result<Rc<[Slot]>, InterpError> {
@@ -202,12 +172,12 @@ impl<'a, N: Number> Lowering<'a, N> {
         handle: Handle<Expression>,
     ) -> Result<Value, InterpError> {
         let module = self.module;
-        let function = scope.function;
-        let span = function.expressions.get_span(handle);
-        if span.is_defined() {
+        let expressions = scope.code.arena;
+        let span = expressions.get_span(handle);
+        if span.is_defined() && matches!(scope.code.types, Types::Function(_)) {
             scope.span = span;
         }
-        let slots = match &function.expressions[handle] {
+        let slots = match &expressions[handle] {
             Expression::Literal(literal) => self.literal(scope, *literal)?,
             Expression::Constant(constant) => self.constant(scope, module.constants[*constant].init)?,
             Expression::Override(o) => match module.overrides[*o].init {
@@ -309,6 +279,7 @@ impl<'a, N: Number> Lowering<'a, N> {
                 return Err(self.unsupported(scope, "a result before its statement"));
             }
         };
+        self.list(slots.len())?;
         Ok(Value::Data(slots))
     }
 }

@@ -73,9 +73,10 @@ impl<'a, N: Number> Lowering<'a, N> {
         // Buffers are laid out by the types as written.
         let written = match variable.binding {
             None => Some(variable.ty),
-            Some(binding) => {
+            Some(_) => {
+                // Entry points may use one binding for different variables; names are unique.
                 let ir = self.shader.written().ir();
-                ir.global_variables.iter().find(|(_, v)| v.binding == Some(binding)).map(|(_, v)| v.ty)
+                ir.global_variables.iter().find(|(_, v)| v.name == variable.name).map(|(_, v)| v.ty)
             }
         };
         let Some(written) = written else {
@@ -99,9 +100,24 @@ impl<'a, N: Number> Lowering<'a, N> {
             return Err(self.unsupported(scope, format!("integers of 64 bits (`{name}`)")));
         }
         let binding = variable.binding.map(|binding| (binding.group, binding.binding));
-        let index = self.code.memories.len() as u32;
         let kinds = self.kinds(scope, variable.ty)?;
-        self.code.memories.push(Memory { binding, name, writable, fixed, element, stride, bytes });
+        // Variables at one binding are one memory.
+        let same = self.code.memories.iter().position(|memory| binding.is_some() && memory.binding == binding);
+        let index = match same {
+            Some(index) => {
+                let memory = &mut self.code.memories[index];
+                if (&memory.fixed, &memory.element, memory.stride, memory.bytes) != (&fixed, &element, stride, bytes) {
+                    let what = format!("`{}` and `{name}`, of different types at one binding", memory.name);
+                    return Err(self.unsupported(scope, what));
+                }
+                memory.writable |= writable;
+                index as u32
+            }
+            None => {
+                self.code.memories.push(Memory { binding, name, writable, fixed, element, stride, bytes });
+                self.code.memories.len() as u32 - 1
+            }
+        };
         let pointer = Pointer { place: Place { root: Root::Shared(index), offset: 0, address: None }, kinds };
         self.globals.insert(handle, pointer.clone());
         Ok(pointer)
@@ -287,6 +303,7 @@ impl<'a, N: Number> Lowering<'a, N> {
         length: u32,
         index: u32,
     ) -> Result<Rc<[Slot]>, InterpError> {
+        self.list(slots.len())?;
         let at = self.word(scope)?;
         let length = Length::Fixed(length);
         self.emit(scope, Instruction::Address { to: at, base: None, index, stride: 1, length })?;

@@ -16,12 +16,16 @@ use super::layout::{Kind, Layout};
 use super::number::Number;
 use super::words::{Word1, Word2};
 use super::{Known, Shader};
+use expression::{Expressions, Types};
 use naga::{Expression, Function, Handle, Span, TypeInner};
+use std::cell::RefCell;
 use std::collections::HashMap;
 use std::rc::Rc;
 
 /// The most instructions of a program.
 const MOST_INSTRUCTIONS: usize = 1 << 20;
+/// The most columns that the values of a program list, again and again.
+const MOST_SLOTS: usize = 1 << 24;
 /// The most columns of a program.
 pub(super) const MOST_COLUMNS: u32 = 1 << 18;
 /// The most blocks and calls that may lie within each other: each takes a frame of the stack.
@@ -73,17 +77,20 @@ pub(super) struct Lowering<'a, N: Number> {
     real_constants: HashMap<u64, u32>,
     word_constants: HashMap<u32, u32>,
     globals: HashMap<Handle<naga::GlobalVariable>, Pointer>,
-    constants: HashMap<Handle<Expression>, Rc<[Slot]>>,
+    /// The values of the module's expressions.
+    constants: Vec<Option<Value>>,
     callees: HashMap<Key, Callee>,
     instructions: usize,
+    slots: usize,
+    /// The kinds of the types asked for so far.
+    type_kinds: RefCell<HashMap<Handle<naga::Type>, Rc<[Kind]>>>,
     depth: usize,
 }
 
 /// The function that is being lowered.
 struct Scope<'a, N> {
     name: String,
-    function: &'a Function,
-    info: &'a naga::valid::FunctionInfo,
+    code: Expressions<'a>,
     values: Vec<Option<Value>>,
     locals: HashMap<Handle<naga::LocalVariable>, Pointer>,
     arguments: Vec<Value>,
@@ -211,9 +218,11 @@ impl<'a, N: Number> Lowering<'a, N> {
             real_constants: HashMap::new(),
             word_constants: HashMap::new(),
             globals: HashMap::new(),
-            constants: HashMap::new(),
+            constants: vec![None; module.global_expressions.len()],
             callees: HashMap::new(),
             instructions: 0,
+            slots: 0,
+            type_kinds: RefCell::new(HashMap::new()),
             depth: 0,
         }
     }
@@ -252,8 +261,7 @@ impl<'a, N: Number> Lowering<'a, N> {
         self.enter()?;
         let mut scope = Scope {
             name: name.to_owned(),
-            function,
-            info,
+            code: Expressions { arena: &function.expressions, types: Types::Function(info) },
             values: vec![None; function.expressions.len()],
             locals: HashMap::new(),
             arguments: Vec::new(),
@@ -349,6 +357,15 @@ impl<'a, N: Number> Lowering<'a, N> {
         Ok(())
     }
 
+    /// Counts the columns that a value lists.
+    fn list(&mut self, slots: usize) -> Result<(), InterpError> {
+        self.slots = self.slots.saturating_add(slots);
+        if self.slots > MOST_SLOTS {
+            return Err(InterpError::TooLarge(format!("the program's values have more than {MOST_SLOTS} scalars")));
+        }
+        Ok(())
+    }
+
     /// The error for a part of WGSL that is not known here.
     fn unsupported(&self, scope: &Scope<'a, N>, what: impl Into<String>) -> InterpError {
         let line = scope.span.is_defined().then(|| scope.span.location(self.shader.text()).line_number);
@@ -356,7 +373,12 @@ impl<'a, N: Number> Lowering<'a, N> {
     }
 
     fn kinds(&self, scope: &Scope<'a, N>, ty: Handle<naga::Type>) -> Result<Rc<[Kind]>, InterpError> {
-        self.layout.kinds(ty).map(Rc::from).map_err(|what| self.unsupported(scope, what))
+        if let Some(kinds) = self.type_kinds.borrow().get(&ty) {
+            return Ok(Rc::clone(kinds));
+        }
+        let kinds: Rc<[Kind]> = self.layout.kinds(ty).map(Rc::from).map_err(|what| self.unsupported(scope, what))?;
+        self.type_kinds.borrow_mut().insert(ty, Rc::clone(&kinds));
+        Ok(kinds)
     }
 
     /// New columns for a value of a type, never given back.
@@ -430,7 +452,7 @@ impl<'a, N: Number> Lowering<'a, N> {
         }
         let column = self.real_column()?;
         self.real_constants.insert(value.to_bits(), column);
-        self.code.real_constants.push((column, N::from_f64(value)));
+        self.code.real_constants.push((column, N::from_f64(value).flushed()));
         Ok(column)
     }
 

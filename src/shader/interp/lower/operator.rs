@@ -273,7 +273,7 @@ impl<'a, N: Number> Lowering<'a, N> {
                 }
                 (Slot::Word(a), Kind::Real(_)) => {
                     let f: fn(u32) -> N = match (convert, kind) {
-                        (None, _) => |a| N::from_single(f32::from_bits(a)),
+                        (None, _) => |a| N::from_single(f32::from_bits(a)).flushed(),
                         (_, Kind::Signed | Kind::Exponent) => |a| N::from_whole(i64::from(a.cast_signed())),
                         (_, Kind::Bool) => {
                             let (one, zero) = (self.real_constant(1.0)?, self.real_constant(0.0)?);
