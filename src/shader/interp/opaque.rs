@@ -55,7 +55,25 @@ pub(super) fn unfolded(source: &str) -> Result<String, ShaderError> {
     let mut replaced: Vec<Option<String>> = vec![None; text.tokens.len()];
     let mut literals: Vec<String> = Vec::new();
     let components = text.components();
+    for (constant, _) in constants.iter().zip(is_real).filter(|(_, is_real)| *is_real) {
+        let fate = fates.get(text.word(constant.name)).filter(|_| constant.is_global);
+        let keyword = match fate {
+            None => "let",
+            Some(Fate::Override) => "override",
+            Some(Fate::Variable) => "var<private>",
+            Some(Fate::Known(value)) => {
+                replaced[constant.equals + 1..constant.semicolon].fill(Some(String::new()));
+                replaced[constant.equals + 1] = Some(value.clone());
+                continue;
+            }
+        };
+        replaced[constant.keyword] = Some(keyword.to_owned());
+    }
+
     for index in 0..text.tokens.len() {
+        if replaced[index].is_some() {
+            continue;
+        }
         let word = text.word(index);
         let literal = if components.contains(&index) { format!("{word}.0") } else { word.to_owned() };
         if components.contains(&index) || text.is_real(index) {
@@ -70,20 +88,6 @@ pub(super) fn unfolded(source: &str) -> Result<String, ShaderError> {
             let end = (index..text.tokens.len()).find(|i| text.word(*i) == ";").unwrap_or(index);
             replaced[index..=end].fill(Some(String::new()));
         }
-    }
-    for (constant, _) in constants.iter().zip(is_real).filter(|(_, is_real)| *is_real) {
-        let fate = fates.get(text.word(constant.name)).filter(|_| constant.is_global);
-        let keyword = match fate {
-            None => "let",
-            Some(Fate::Override) => "override",
-            Some(Fate::Variable) => "var<private>",
-            Some(Fate::Known(value)) => {
-                replaced[constant.equals + 1..constant.semicolon].fill(Some(String::new()));
-                replaced[constant.equals + 1] = Some(value.clone());
-                continue;
-            }
-        };
-        replaced[constant.keyword] = Some(keyword.to_owned());
     }
 
     let mut result = String::with_capacity(2 * source.len());

@@ -166,9 +166,9 @@ fn direction(theta: f64, phi: f64) -> Vector<f64> {
 
 /// The angles of the fixed pairs: those of the light and of the view, and the azimuth between them.
 fn fixed_pairs() -> impl Iterator<Item = (f64, f64, f64)> {
-    LIGHTS
-        .into_iter()
-        .flat_map(|light| VIEWS.into_iter().map(move |(offset, phi)| (light, (light + offset).abs().min(80.0), phi)))
+    let pair = |light: f64| VIEWS.into_iter().map(move |(offset, phi)| (light, (light + offset).abs().min(80.0), phi));
+    // At the normal the mirror direction is the light's own.
+    LIGHTS.into_iter().flat_map(pair).filter(|pair| *pair != (0.0, 0.0, 0.0))
 }
 
 fn measure<const C: usize>(name: &str, stack: &Stack<f64, C>, options: &Options, progress: &ProgressBar) -> Measured {
