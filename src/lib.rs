@@ -36,6 +36,7 @@ pub mod diffuse;
 pub mod distribution;
 pub mod frame;
 pub mod fresnel;
+pub mod fresnel_fit;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod interval;
