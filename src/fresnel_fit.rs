@@ -8,6 +8,7 @@
 //! smallest possible, and measures that error.
 
 use crate::fresnel::{self, Fresnel, golden_section};
+use crate::layered::{K_RANGE, N_RANGE};
 use crate::real::Real;
 use alloc::vec::Vec;
 use core::fmt;
@@ -42,14 +43,13 @@ impl<const C: usize, const N: usize> Fit<C, N> {
     /// Fits all channels of the relative index n + iκ with the largest error over c in [0, 1] as small as it can be.
     ///
     /// # Errors
-    /// Where an index is not a number with n > 0 and κ ≥ 0 that the exact equations can take.
+    /// Where an index is outside [`N_RANGE`] or [`K_RANGE`], or so close to a kink or step of F that the best fit errs by more
+    /// than .05.
     pub fn new(n: [f64; C], k: [f64; C]) -> Result<Self, FitError> {
         for channel in 0..C {
             let (n, k) = (n[channel], k[channel]);
-            // Squares of squares must be finite.
-            let allowed = n > 0.0 && (1e-60..1e60).contains(&n) && (0.0..1e60).contains(&k);
-            if !allowed {
-                return Err(FitError { channel, n, k });
+            if !(N_RANGE.contains(&n) && K_RANGE.contains(&k)) {
+                return Err(FitError::OutOfRange { channel, n, k });
             }
         }
         let worst = |log_bend: f64| {
@@ -75,6 +75,11 @@ impl<const C: usize, const N: usize> Fit<C, N> {
             }
         }
         fit.max_error = fit.measure(n, k);
+        for (channel, max_error) in fit.max_error.into_iter().enumerate() {
+            if max_error > LARGEST_ERROR {
+                return Err(FitError::NotSmooth { channel, n: n[channel], k: k[channel], max_error });
+            }
+        }
         Ok(fit)
     }
 
@@ -139,26 +144,51 @@ impl<const N: usize> Fit<3, N> {
     }
 }
 
-/// The index that a [`Fit`] cannot be made for.
+/// Why an index has no [`Fit`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FitError {
-    /// The channel, counted from 0.
-    pub channel: usize,
-    /// The real part of its index.
-    pub n: f64,
-    /// The imaginary part.
-    pub k: f64,
+#[non_exhaustive]
+pub enum FitError {
+    /// A number outside [`N_RANGE`] or [`K_RANGE`].
+    OutOfRange {
+        /// The channel, counted from 0.
+        channel: usize,
+        /// The real part of its index.
+        n: f64,
+        /// The imaginary part.
+        k: f64,
+    },
+    /// F has a kink at a critical angle (n < 1, κ ≈ 0) or a step at c = 0 (n = 1, κ = 0), which no polynomial follows.
+    NotSmooth {
+        /// The channel, counted from 0.
+        channel: usize,
+        /// The real part of its index.
+        n: f64,
+        /// The imaginary part.
+        k: f64,
+        /// The error of the best fit.
+        max_error: f64,
+    },
 }
 
 impl fmt::Display for FitError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let FitError { channel, n, k } = self;
-        write!(f, "channel {channel} has the index {n} + {k}i: n must be > 0 and κ ≥ 0, both finite")
+        match self {
+            FitError::OutOfRange { channel, n, k } => {
+                write!(f, "channel {channel}: n = {n}, κ = {k}, but n must be in [0.001, 1000] and κ in [0, 1000]")
+            }
+            FitError::NotSmooth { channel, n, k, max_error } => write!(
+                f,
+                "channel {channel}: n = {n}, κ = {k} reflects totally from a critical angle on, where no polynomial \
+                 follows (the best is {max_error:.2} off); use fresnel::conductor"
+            ),
+        }
     }
 }
 
 impl core::error::Error for FitError {}
 
+/// The error above which a fit is refused: those of smooth indices are far below, those with a kink are .26 and more.
+const LARGEST_ERROR: f64 = 0.05;
 /// The constants b that are searched, in SCAN steps of equal ratio.
 const BENDS: (f64, f64) = (0.02, 4.0);
 const SCAN: i32 = 24;
