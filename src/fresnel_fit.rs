@@ -86,11 +86,23 @@ impl<const C: usize, const N: usize> Fit<C, N> {
     /// The largest error of each channel on a grid four times as dense as that of the fit.
     fn measure(&self, n: [f64; C], k: [f64; C]) -> [f64; C] {
         let mut worst = [0.0f64; C];
-        for cos in Grid::new(self.bend, 4 * FINAL).cosines {
-            let fitted = self.transmittance(cos);
-            for channel in 0..C {
-                let exact = fresnel::conductor(cos, n[channel], k[channel]).transmittance;
-                worst[channel] = worst[channel].max((fitted[channel] - exact).abs());
+        let grid = Grid::new(self.bend, 4 * FINAL);
+        for channel in 0..C {
+            let (n, k) = (n[channel], k[channel]);
+            let mut measure = |cos: f64| {
+                let exact = fresnel::conductor(cos, n, k).transmittance;
+                worst[channel] = worst[channel].max((self.transmittance(cos)[channel] - exact).abs());
+            };
+            grid.cosines.iter().for_each(|cos| measure(*cos));
+            if n < 1.0 {
+                // What a small n does between the critical angle and Brewster's may fit between the points.
+                let critical = Real::sqrt((1.0 - n) * (1.0 + n));
+                measure(1.0 / Real::sqrt(1.0 + n * n));
+                let mut share = 1.0;
+                while share > f64::EPSILON {
+                    measure(critical + (1.0 - critical) * share);
+                    share *= 0.97;
+                }
             }
         }
         // Between the points of the grid it may be larger by 1 part in 10⁴; both sides round.
@@ -178,8 +190,8 @@ impl fmt::Display for FitError {
             }
             FitError::NotSmooth { channel, n, k, max_error } => write!(
                 f,
-                "channel {channel}: n = {n}, κ = {k} reflects totally from a critical angle on, where no polynomial \
-                 follows (the best is {max_error:.2} off); use fresnel::conductor"
+                "channel {channel}: n = {n}, κ = {k} makes F bend too sharply for a polynomial (the best is {max_error:.2} \
+                 off); use fresnel::conductor"
             ),
         }
     }
@@ -191,7 +203,7 @@ impl core::error::Error for FitError {}
 const LARGEST_ERROR: f64 = 0.05;
 /// The constants b that are searched, in SCAN steps of equal ratio.
 const BENDS: (f64, f64) = (0.02, 4.0);
-const SCAN: i32 = 24;
+const SCAN: i32 = 48;
 /// The points of the grids that b is searched on and the fit is made on.
 const SEARCH: usize = 256;
 const FINAL: usize = 1024;
