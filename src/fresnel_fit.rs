@@ -20,6 +20,17 @@ use core::fmt;
 /// In plain text: with t = c(1+b)/(c+b), T = t·P(2t−1) clamped to [0, 1], P a polynomial of N coefficients for each of C
 /// channels, and F = 1−T. At c = 0: F = 1 and T = 0 exactly, and T keeps its relative accuracy towards it.
 ///
+/// * `C` channels, three for RGB; `N` coefficients, the degree in t: 8 or 12. [`Fit::new`] takes some 10 ms.
+/// * Domain: n in [`N_RANGE`], κ in [`K_RANGE`], relative to a transparent medium. Where F has a kink or a step (n ≤ 1, κ ≈ 0:
+///   total reflection) there is no fit.
+///
+/// Largest error of F, and of T, over the built-in metals and dielectrics of 1.33 to 4: ≤ 2.2e-5 at N = 8 and ≤ 6e-7 at N = 12,
+/// where Lazányi's uncorrected form (which is Schlick's) is off by up to .24; each fit's own is [`Fit::max_error`]. Over f32
+/// evaluation adds one rounding, ≤ 2⁻²⁵; in f32 throughout, as in WGSL, ≤ 5e-7. Cost of three channels relative to
+/// [`fresnel::conductor`]: 1/5.9 at N = 8, 1/5.2 at N = 12; Schlick 1/14, Lazányi 1/19 without and 1/1.4 with its correction.
+///
+/// Source: Remez 1934; Powell 1981, *Approximation Theory and Methods*, §8. It replaces the tables of Elek 2010 and Mihaylov 2013.
+///
 /// ```
 /// use brdf::fresnel::{self, Fit};
 ///
@@ -57,16 +68,22 @@ impl<const C: usize, const N: usize> Fit<C, N> {
             (0..C).map(|channel| grid.minimax(N, n[channel], k[channel]).1).fold(0.0, f64::max)
         };
         let (low, high) = BENDS;
-        let step = (Real::ln(high) - Real::ln(low)) / f64::from(SCAN);
-        let (mut coarse, mut least) = (0.0, f64::INFINITY);
-        for i in 0..=SCAN {
-            let log_bend = Real::ln(low) + step * f64::from(i);
-            let error = worst(log_bend);
-            if error < least {
-                (coarse, least) = (log_bend, error);
+        let step = (Real::ln(high) - Real::ln(low)) / SCAN as f64;
+        let place = |i: usize| Real::ln(low) + step * i as f64;
+        let scan: Vec<f64> = (0..=SCAN).map(|i| worst(place(i))).collect();
+        let least = scan.iter().fold(f64::INFINITY, |least, error| least.min(*error));
+        // The bottom of every valley that may be the deepest.
+        let (mut best, mut bend) = (f64::INFINITY, 1.0);
+        for (i, error) in scan.iter().enumerate() {
+            let beside = scan[i.saturating_sub(1)].min(scan[(i + 1).min(SCAN)]);
+            if *error <= beside && *error <= 2.0 * least {
+                let bottom = golden_section(place(i) - step, place(i) + step, 16, worst);
+                let error = worst(bottom);
+                if error < best {
+                    (best, bend) = (error, Real::exp(bottom));
+                }
             }
         }
-        let bend = Real::exp(golden_section(coarse - step, coarse + step, 16, worst));
         let grid = Grid::new(bend, FINAL);
         let mut fit = Fit { bend, coefficients: [[0.0; C]; N], max_error: [0.0; C] };
         for channel in 0..C {
@@ -203,7 +220,7 @@ impl core::error::Error for FitError {}
 const LARGEST_ERROR: f64 = 0.05;
 /// The constants b that are searched, in SCAN steps of equal ratio.
 const BENDS: (f64, f64) = (0.02, 4.0);
-const SCAN: i32 = 48;
+const SCAN: usize = 48;
 /// The points of the grids that b is searched on and the fit is made on.
 const SEARCH: usize = 256;
 const FINAL: usize = 1024;
