@@ -27,7 +27,7 @@ use core::fmt;
 /// Largest error of F, and of T, over the built-in metals and dielectrics of 1.33 to 4: ≤ 2.2e-5 at N = 8 and ≤ 6e-7 at N = 12,
 /// where Lazányi's uncorrected form (which is Schlick's) is off by up to .24; each fit's own is [`Fit::max_error`]. Over f32
 /// evaluation adds one rounding, ≤ 2⁻²⁵; in f32 throughout, as in WGSL, ≤ 5e-7. Cost of three channels relative to
-/// [`fresnel::conductor`]: 1/5.9 at N = 8, 1/5.2 at N = 12; Schlick 1/14, Lazányi 1/19 without and 1/1.4 with its correction.
+/// [`fresnel::conductor`]: 1/5.3 at N = 8, 1/4.6 at N = 12; Schlick 1/13, Lazányi 1/17 without and 1/1.3 with its correction.
 ///
 /// Source: Remez 1934; Powell 1981, *Approximation Theory and Methods*, §8. It replaces the tables of Elek 2010 and Mihaylov 2013.
 ///
