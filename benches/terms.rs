@@ -90,6 +90,19 @@ fn terms<R: Real>(c: &mut Criterion, number: &str) {
     term!("fresnel/lazanyi_uncorrected", |i| fresnel::lazanyi_uncorrected(i.cos, i.n, i.k));
     term!("fresnel/lazanyi", |i| fresnel::lazanyi(i.cos, i.n, i.k, i.u, i.eta));
     term!("fresnel/f82_tint", |i| fresnel::f82_tint(i.cos, i.u, i.alpha));
+    // Three channels of one material: the exact terms and what replaces them.
+    let (n, k) = ([0.213, 1.04, 1.17], [4.05, 2.59, 2.36]);
+    let (eight, twelve) = (fresnel::Fit::<3, 8>::new(n, k), fresnel::Fit::<3, 12>::new(n, k));
+    let (eight, twelve) = (eight.expect("copper is smooth"), twelve.expect("copper is smooth"));
+    let (eight, twelve) = (black_box(&eight), black_box(&twelve));
+    let [n, k]: [[R; 3]; 2] = black_box([n.map(R::from_f64), k.map(R::from_f64)]);
+    let base = black_box([0, 1, 2].map(|c| fresnel::normal_incidence(n[c], k[c])));
+    term!("fresnel_rgb/conductor", |i| [0, 1, 2].map(|c| fresnel::conductor(i.cos, n[c], k[c])));
+    term!("fresnel_rgb/fit_8", |i| eight.evaluate(i.cos));
+    term!("fresnel_rgb/fit_12", |i| twelve.evaluate(i.cos));
+    term!("fresnel_rgb/lazanyi_uncorrected", |i| [0, 1, 2].map(|c| fresnel::lazanyi_uncorrected(i.cos, n[c], k[c])));
+    term!("fresnel_rgb/lazanyi", |i| [0, 1, 2].map(|c| fresnel::lazanyi(i.cos, n[c], k[c], i.u, i.eta)));
+    term!("fresnel_rgb/schlick", |i| base.map(|f| fresnel::schlick(i.cos, f)));
     term!("distribution/beckmann", |i| distribution::beckmann(i.h, i.alpha));
     term!("distribution/beckmann_anisotropic", |i| distribution::beckmann_anisotropic(i.h, i.alpha, i.u));
     term!("distribution/ggx", |i| distribution::ggx(i.h, i.alpha));

@@ -3,6 +3,7 @@
 //! Twin: `wgsl/fresnel.wgsl`. Cosines are those of the angle of incidence (for a microfacet, V·H). Indices are relative
 //! to the medium that the light comes from. [`dielectric`] and [`conductor`] are exact; the others trade error for cost.
 
+pub use crate::fresnel_fit::{Fit, FitError};
 use crate::real::Real;
 
 /// The split of arriving power at an interface. The two parts sum to 1; each is computed directly, since 1−R loses
@@ -323,7 +324,7 @@ pub fn lazanyi_fit(n: f64, k: f64) -> LazanyiFit {
 }
 
 /// The argument in [low, high] at which a function with one valley is smallest.
-fn golden_section(low: f64, high: f64, steps: usize, f: impl Fn(f64) -> f64) -> f64 {
+pub(crate) fn golden_section(low: f64, high: f64, steps: usize, f: impl Fn(f64) -> f64) -> f64 {
     const RATIO: f64 = 0.618_033_988_749_894_9;
     let (mut low, mut high) = (low, high);
     let (mut x1, mut x2) = (high - RATIO * (high - low), low + RATIO * (high - low));

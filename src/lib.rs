@@ -34,7 +34,7 @@
 //!
 //! # From a direction to radiance
 //!
-//! [`real`] and [`frame`] are the numbers and directions; [`fresnel`], [`distribution`], [`masking`], [`diffuse`],
+//! [`real`] and [`frame`] are the numbers and directions; [`fresnel`] ([`fresnel_fit`]), [`distribution`], [`masking`], [`diffuse`],
 //! [`refraction`], [`absorption`] and [`phong`] are the terms; [`microfacet`] and [`layered`] are whole BRDFs,
 //! [`sampling`] draws directions for them; [`material`] holds measured data. [`wgsl`] holds the WGSL twin of each of these functions under the same name.
 #![cfg_attr(not(feature = "std"), no_std)]
@@ -52,6 +52,7 @@ pub mod diffuse;
 pub mod distribution;
 pub mod frame;
 pub mod fresnel;
+pub mod fresnel_fit;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod interval;

@@ -68,6 +68,8 @@ fn a_broken_twin_differs() {
         ("fresnel", "conductor", "- k * k", "+ k * k"),
         ("fresnel", "dielectric", "g * (1.0 / sum_s", "g * (1.0 / sum_p"),
         ("fresnel", "lazanyi", "- a * cos_i * power", "+ a * cos_i * power"),
+        ("fresnel_fit", "evaluate", "* u + fit.rows[3].xyz", "* u + fit.rows[2].xyz"),
+        ("fresnel_fit", "evaluate_fine", "2.0 * t - 1.0", "2.0 * t - 1.00001"),
         ("distribution", "beckmann", "-select(0.0, exponent", "-0.99999 * select(0.0, exponent"),
         ("masking", "v_cavity", "max(2.0 * select", "min(2.0 * select"),
         ("masking", "smith_beckmann", "0.56418958354775628695", "0.56419458354775628695"),

@@ -5,7 +5,7 @@ use crate::frame::Vector;
 use crate::gpu::{StackBuffers, StackPlace};
 use crate::interval::WgslInterval;
 use crate::layered::{self, Interface, Layer, Model, Stack};
-use crate::material::{patina, stack::built_in};
+use crate::material::{metal::METALS, patina, stack::built_in};
 use crate::real::Real;
 use crate::{absorption, diffuse, distribution, fresnel, masking, microfacet, phong, refraction, sampling, walk};
 use std::sync::OnceLock;
@@ -104,6 +104,29 @@ fn shadow<R: Real>(m: masking::Masking<R>) -> [R; 2] {
 
 fn pair<R: Real>(p: walk::Pair<R>) -> [R; 3] {
     [p.lobe, p.density, p.cos_a]
+}
+
+/// A cosine and the rows of the fit of a built-in metal or a dielectric.
+fn fit_arguments<const N: usize>(d: &mut Draw) -> Vec<f64> {
+    static FITS: OnceLock<[Vec<Vec<f64>>; 2]> = OnceLock::new();
+    fn rows<const N: usize>() -> Vec<Vec<f64>> {
+        let metals = METALS.iter().map(|metal| (metal.n, metal.k));
+        let dielectrics = [1.01, 1.33, 1.5, 2.42].map(|n| ([n; 3], [0.0; 3]));
+        let fits = metals.chain(dielectrics).flat_map(|(n, k)| fresnel::Fit::<3, N>::new(n, k));
+        fits.map(|fit| fit.rows().into_iter().flatten().map(f64::from).collect()).collect()
+    }
+    let fits = &FITS.get_or_init(|| [rows::<8>(), rows::<12>()])[usize::from(N == 12)];
+    let mut arguments = flat![d.cosine()];
+    arguments.extend(&fits[((d.unit() * fits.len() as f64) as usize).min(fits.len() - 1)]);
+    arguments
+}
+
+/// Reflectance and transmittance from a cosine and the rows of a fit.
+fn fitted<R: Real, const N: usize>(a: &[R]) -> Vec<R> {
+    let number = |place: usize| a[1 + place].to_f64();
+    let coefficients = std::array::from_fn(|i| std::array::from_fn(|channel| number(4 * i + channel)));
+    let split = fresnel::Fit::<3, N> { bend: number(3), coefficients, max_error: [0.0; 3] }.evaluate(a[0]);
+    split.iter().map(|f| f.reflectance).chain(split.iter().map(|f| f.transmittance)).collect()
 }
 
 fn coordinates<R: Real>(v: Vector<R>) -> [R; 3] {
@@ -341,6 +364,9 @@ pub fn twins() -> Vec<Twin> {
             |a| [fresnel::lazanyi(a[0], a[1], a[2], a[3], a[4])]),
         twin!(fresnel::f82_tint / 3, |d| flat![d.cosine(), d.fraction(), d.fraction()],
             |a| [fresnel::f82_tint(a[0], a[1], a[2])]),
+
+        twin!(fresnel_fit::evaluate / 2, fit_arguments::<8>, |a| fitted::<R, 8>(a)),
+        twin!(fresnel_fit::evaluate_fine / 2, fit_arguments::<12>, |a| fitted::<R, 12>(a)),
 
         twin!(distribution::beckmann / 2, half_and_width, |a| [distribution::beckmann(at(a, 0), a[3])]),
         twin!(distribution::beckmann_anisotropic / 3, half_and_widths,

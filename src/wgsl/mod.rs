@@ -63,7 +63,7 @@ macro_rules! modules {
 /// The library's modules: each one's name and its text.
 #[rustfmt::skip]
 pub const MODULES: &[(&str, &str)] = modules![
-    "absorption", "diffuse", "distribution", "fresnel", "layered", "masking", "microfacet", "patina", "phong", "random",
+    "absorption", "diffuse", "distribution", "fresnel", "fresnel_fit", "layered", "masking", "microfacet", "patina", "phong", "random",
     "real", "refraction", "sampling", "walk",
 ];
 
