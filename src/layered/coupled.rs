@@ -59,10 +59,10 @@ impl<const C: usize> Lazy<C> {
 ///
 /// Single pairs of directions are further off: what widens a lobe under a rough coat is only known at normal incidence
 /// ([`Widths::Variance`](super::Widths::Variance)). Root mean square over a fixed set of lit pairs (f ≥ .02 sr⁻¹), and the
-/// worst pair, from `brdf bench layered`, by itself and with `examples/stacks/*.toml`: under 2 % for coats over diffuse bases and 2 to 5 % for the built-in metals and
-/// oxides, worst −23 %, against 4 to 39 % of `conserving`; but 15 and 20 % for copper under n = 1.5 with α₁/α₂ = .1/.1 and
-/// .3/.1, worst −66 and −64 %, beside the lobe and at 60–75°; and 82 %, worst +181 %, for `coated_gold`, whose lobe of
-/// α = .002 is a hundred times as bright as what surrounds it.
+/// worst pair, from `brdf bench layered`, by itself and with `examples/stacks/*.toml`: under 1 % for coats over diffuse bases
+/// and 1 to 4 % for the built-in metals and oxides, worst −23 %, against 4 to 40 % of `conserving`; but 16 and 20 % for copper
+/// under n = 1.5 with α₁/α₂ = .1/.1 and .3/.1, worst −66 and −64 %, beside the lobe and at 60–75°, 31 %, worst −100 %, for
+/// .4/.05; and 88 %, worst +181 %, for `coated_gold`, whose lobe of α = .002 is a hundred times as bright as what surrounds it.
 ///
 /// Under a coat of n < 1 the tables do not resolve the critical angle: over a mirror without loss the albedo reaches 1.14
 /// just inside it for n = .7, α = .1, and 1.24 for n = .33, α = .42.

@@ -16,9 +16,10 @@ use alloc::vec::Vec;
 /// By the walk, a metal of α = .05 under n = 1.5, α = .4 falls off from the normal as one of α = .099 under a smooth coat
 /// does (`tests/widths.rs`). [`Widths::Own`] says .05, [`Widths::Clamp`] .40 and [`Widths::Variance`] .107.
 ///
-/// Of f over the lit pairs of `brdf bench layered` (its built-in stacks and `examples/stacks/*.toml`), root mean square against the walk, own → variance: `coupled` 45 → 20 %
-/// for copper of α = .1 under n = 1.5, α = .3; 203 → 30 % for α = .05 under .4; 760 → 82 % for `coated_gold`; 7 → 2 % for
-/// `cuprite_over_copper`; unchanged or better elsewhere. `conserving` 47 → 27, 227 → 33, 712 → 75 and 10 → 8 %.
+/// Of f over the lit pairs of `brdf bench layered` (its built-in stacks and `examples/stacks/*.toml`), root mean square
+/// against the walk, own → variance: `coupled` 44 → 20 % for copper of α = .1 under n = 1.5, α = .3; 192 → 31 % for α = .05
+/// under .4; 788 → 88 % for `coated_gold`; 7 → 2 % for `cuprite_over_copper`; unchanged or better elsewhere. `conserving`
+/// 47 → 28, 217 → 34, 736 → 81 and 11 → 9 %.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Widths {
