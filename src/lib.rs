@@ -46,6 +46,7 @@ compile_error!("brdf needs floating-point functions: enable the feature `std` (d
 extern crate alloc;
 
 pub mod absorption;
+pub mod batch;
 #[cfg(feature = "check")]
 pub mod check;
 pub mod diffuse;

@@ -197,6 +197,12 @@ pub trait Real:
     #[doc(hidden)]
     fn erfcx_wide(x: Self::Wide) -> Self::Wide;
 
+    /// self·factor + addend: rounded once where the type has an instruction for it
+    /// ([`Single<true>`](crate::single::Single)), else twice.
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        self * factor + addend
+    }
     /// x clamped to [0, 1]; NaN becomes 0.
     #[inline(always)]
     fn saturate(self) -> Self {

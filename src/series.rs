@@ -49,8 +49,8 @@ const ERFCX_SINGLE: [f32; 13] = {
 
 /// The series in f32 throughout. Error: ≤ 7 ULP.
 #[inline(always)]
-pub(crate) fn erfcx_single(x: f32) -> f32 {
-    erfcx_chebyshev(x, &ERFCX_SINGLE)
+pub(crate) fn erfcx_single<R: Real>(x: R) -> R {
+    erfcx_chebyshev(x, &ERFCX_SINGLE.map(|c| R::from_f64(f64::from(c))))
 }
 
 /// atan(r)/r on [0, 1] as a polynomial in r² of least relative error, 6.3e-15 (Remez's exchange in 50 digits): enough for
@@ -84,6 +84,54 @@ pub(crate) fn angle_polynomial(opposite: f64, adjacent: f64) -> f64 {
     let odd = r * ANGLE.iter().rev().fold(0.0, |sum, c| sum * square + c);
     if opposite > adjacent { core::f64::consts::FRAC_PI_2 - odd } else { odd }
 }
+
+/// [`ANGLE`] for f32 throughout, relative error 2.9e-9: that of `wgsl/real.wgsl`.
+const ANGLE_SINGLE: [f32; 10] = [
+    0.999_999_997_161,
+    -0.333_332_762_92,
+    0.199_980_752_811,
+    -0.142_600_160_828,
+    0.109_323_415_013,
+    -0.083_497_249_683,
+    0.057_089_555_930_3,
+    -0.030_351_864_785_8,
+    0.010_487_649_254_9,
+    -0.001_701_170_064_07,
+];
+
+/// The angle of a right triangle by the shorter polynomial. Error over [`Single`](crate::single::Single): ≤ 3 ULP.
+#[inline(always)]
+pub(crate) fn angle_short<R: Real>(opposite: R, adjacent: R) -> R {
+    let (larger, smaller) = (opposite.max(adjacent), opposite.min(adjacent));
+    let r = smaller / R::select(larger.gt(R::ZERO), larger, R::ONE);
+    let odd = r * horner(r * r, &ANGLE_SINGLE);
+    R::select(opposite.gt(adjacent), R::HALF * R::PI - odd, odd)
+}
+
+/// Σ coefficients[i]·xⁱ.
+#[inline(always)]
+pub(crate) fn horner<R: Real>(x: R, coefficients: &[f32]) -> R {
+    let number = |c: f32| R::from_f64(f64::from(c));
+    let (last, rest) = coefficients.split_last().unwrap_or((&0.0, &[]));
+    rest.iter().rev().fold(number(*last), |sum, c| sum.mul_add(x, number(*c)))
+}
+
+/// (eʳ − 1 − r)/r² on |r| ≤ ln2/2, relative error of eʳ 2e-8 (Moshier's Cephes 2.8, expf).
+pub(crate) const EXP_SINGLE: [f32; 6] =
+    [5.000_000_1e-1, 1.666_666_5e-1, 4.166_579_6e-2, 8.333_452e-3, 1.398_199_9e-3, 1.987_569_1e-4];
+
+/// (ln(1+x) − x + x²/2)/x³ on 1+x in [√½, √2] (Moshier's Cephes 2.8, logf).
+pub(crate) const LN_SINGLE: [f32; 9] = [
+    3.333_333_1e-1,
+    -2.499_999_4e-1,
+    2.000_071_5e-1,
+    -1.666_805_8e-1,
+    1.424_932_3e-1,
+    -1.242_014_1e-1,
+    1.167_699_9e-1,
+    -1.151_461e-1,
+    7.037_683_6e-2,
+];
 
 /// Clenshaw's sum of the series above, divided by (1+2x).
 #[inline(always)]

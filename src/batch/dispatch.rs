@@ -1,0 +1,164 @@
+//! The choice of vector instructions, made when the program runs. The only unsafe code of the crate: calls of functions that
+//! were compiled for instructions which [`Level`] has found on this processor.
+#![allow(unsafe_code)]
+
+use super::Kernel;
+use crate::single::Single;
+
+/// A set of vector instructions that this processor has.
+///
+/// There is no way to make a level that it has not: [`Level::available`] and [`Level::detect`] ask the processor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Level(Set);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+enum Set {
+    /// What the crate was compiled for: SSE2 on x86-64, NEON on AArch64.
+    Baseline,
+    #[cfg(all(feature = "std", target_arch = "x86_64"))]
+    Avx2,
+    #[cfg(all(feature = "std", target_arch = "x86_64"))]
+    Avx512,
+}
+
+/// Work that is compiled for each level.
+pub(crate) trait Work {
+    /// Does it in numbers of which `LANES` fill a register of the level. `#[inline(always)]`, or it is not compiled for it.
+    fn run<const FUSED: bool, const LANES: usize>(self);
+}
+
+impl Level {
+    /// The fastest level of this processor.
+    #[inline]
+    pub fn detect() -> Self {
+        #[cfg(all(feature = "std", target_arch = "x86_64"))]
+        {
+            if has_avx512() {
+                return Level(Set::Avx512);
+            }
+            if has_avx2() {
+                return Level(Set::Avx2);
+            }
+        }
+        Self::BASELINE
+    }
+
+    /// What the crate was compiled for, which every processor that it runs on has.
+    pub const BASELINE: Level = Level(Set::Baseline);
+
+    /// The levels of this processor, the fastest last.
+    pub fn available() -> impl Iterator<Item = Level> {
+        #[cfg(all(feature = "std", target_arch = "x86_64"))]
+        let more = [(Set::Avx2, has_avx2()), (Set::Avx512, has_avx512())];
+        #[cfg(not(all(feature = "std", target_arch = "x86_64")))]
+        let more: [(Set, bool); 0] = [];
+        core::iter::once(Self::BASELINE).chain(more.into_iter().filter(|(_, has)| *has).map(|(set, _)| Level(set)))
+    }
+
+    /// `baseline`, `avx2` (with FMA) or `avx512`.
+    pub const fn name(self) -> &'static str {
+        match self.0 {
+            Set::Baseline => "baseline",
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Set::Avx2 => "avx2",
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Set::Avx512 => "avx512",
+        }
+    }
+
+    #[inline]
+    pub(crate) fn run(self, work: impl Work) {
+        match self.0 {
+            Set::Baseline => work.run::<BASELINE_FUSED, 4>(),
+            // SAFETY: a Level of these sets is only made where the processor has their instructions.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Set::Avx2 => unsafe { avx2(work) },
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Set::Avx512 => unsafe { avx512(work) },
+        }
+    }
+}
+
+/// Whether every processor that the baseline runs on multiplies and adds in one instruction.
+const BASELINE_FUSED: bool = cfg!(all(feature = "std", any(target_arch = "aarch64", target_feature = "fma")));
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+fn has_avx2() -> bool {
+    std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+fn has_avx512() -> bool {
+    has_avx2()
+        && std::arch::is_x86_feature_detected!("avx512f")
+        && std::arch::is_x86_feature_detected!("avx512vl")
+        && std::arch::is_x86_feature_detected!("avx512bw")
+        && std::arch::is_x86_feature_detected!("avx512dq")
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma")]
+fn avx2(work: impl Work) {
+    work.run::<true, 8>();
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512bw,avx512dq")]
+fn avx512(work: impl Work) {
+    work.run::<true, 16>();
+}
+
+/// A kernel over slices of one length.
+pub(crate) struct Map<'a, K, const I: usize, const O: usize> {
+    pub(crate) kernel: &'a K,
+    pub(crate) inputs: [&'a [f32]; I],
+    pub(crate) outputs: [&'a mut [f32]; O],
+}
+
+impl<K: Kernel<I, O>, const I: usize, const O: usize> Work for Map<'_, K, I, O> {
+    #[inline(always)]
+    fn run<const FUSED: bool, const LANES: usize>(self) {
+        let Map { kernel, inputs, mut outputs } = self;
+        let count = inputs.first().map_or(outputs.first().map_or(0, |slice| slice.len()), |slice| slice.len());
+        let whole = count - count % LANES;
+        for start in (0..whole).step_by(LANES) {
+            let mut block = [[0.0; LANES]; I];
+            for (lanes, slice) in block.iter_mut().zip(&inputs) {
+                lanes.copy_from_slice(&slice[start..start + LANES]);
+            }
+            let results = vector::<FUSED, LANES, _, I, O>(kernel, &block);
+            for (output, result) in outputs.iter_mut().zip(&results) {
+                output[start..start + LANES].copy_from_slice(result);
+            }
+        }
+        if whole < count {
+            // The rest of a vector repeats its first evaluation.
+            let lane = |slice: &[f32], lane| slice[if whole + lane < count { whole + lane } else { whole }];
+            let block = inputs.map(|slice| core::array::from_fn(|i| lane(slice, i)));
+            let results = vector::<FUSED, LANES, _, I, O>(kernel, &block);
+            for (output, result) in outputs.iter_mut().zip(&results) {
+                output[whole..count].copy_from_slice(&result[..count - whole]);
+            }
+        }
+    }
+}
+
+/// One register of evaluations: the compiler turns the loop, which has one trip of it, into vector instructions.
+#[inline(always)]
+fn vector<const FUSED: bool, const LANES: usize, K: Kernel<I, O>, const I: usize, const O: usize>(
+    kernel: &K,
+    block: &[[f32; LANES]; I],
+) -> [[f32; LANES]; O] {
+    let mut results = [[0.0; LANES]; O];
+    for lane in 0..LANES {
+        let mut point = [Single::<FUSED>(0.0); I];
+        for i in 0..I {
+            point[i] = Single(block[i][lane]);
+        }
+        let values = kernel.evaluate(point);
+        for o in 0..O {
+            results[o][lane] = values[o].0;
+        }
+    }
+    results
+}
