@@ -89,7 +89,7 @@ class Mitsuba:
         import mitsuba
 
         mitsuba.set_variant("llvm_ad_rgb")
-        self.dr, self.mi, self.rows = drjit, mitsuba, rows
+        self.dr, self.mi, self.rows, self.threads = drjit, mitsuba, rows, None
         # Arrays in memory: Dr.Jit cannot fold what it has not seen.
         arrays = [mitsuba.Float(row) for row in rows]
         self.wi, self.wo = mitsuba.Vector3f(*arrays[:3]), mitsuba.Vector3f(*arrays[3:])
@@ -131,7 +131,9 @@ class Mitsuba:
 
     def seconds(self, name, threads):
         """One evaluation of all pairs into memory. Tracing is not timed, nor compiling once the kernel is cached."""
-        self.dr.set_thread_count(threads)
+        if threads != self.threads:
+            self.dr.set_thread_count(threads)
+            self.threads = threads
         value = self.evaluate(self.subjects[name], self.wi, self.wo)
         start = time.perf_counter()
         self.dr.eval(value)
