@@ -64,6 +64,7 @@ pub mod microfacet;
 #[cfg(feature = "gpu")]
 pub mod parity;
 pub mod phong;
+pub mod plan;
 pub mod real;
 pub mod refraction;
 pub mod sampling;
