@@ -46,7 +46,7 @@ fn fresnel_tables_err_by_what_is_stated() {
     let all: Vec<_> = METALS.iter().map(|metal| (metal.n, metal.k)).chain(dielectrics).collect();
     for (name, materials, [angle, angle_bytes, root, root_bytes]) in [
         ("the documents'", documents, [0.0022, 0.0026, 1.3e-4, 0.0020]),
-        ("all", all, [0.0041, 0.0048, 1.7e-4, 0.0021]),
+        ("all", all, [0.0024, 0.0028, 1.4e-4, 0.0020]),
     ] {
         for (mapping, stated, stated_bytes) in [(Mapping::Angle, angle, angle_bytes), (Mapping::Root, root, root_bytes)]
         {
@@ -150,7 +150,7 @@ fn between_rows(table: &DistributionTable<impl Texel>, low: f64, high: f64) -> f
 #[test]
 fn linear_rows_of_width_add_the_larger_part() {
     let table = DistributionTable::<Half>::new(SIDE, SIDE - 2, 2.0 / 511.0, Mapping::Angle).expect("within the ranges");
-    for (m, stated) in [(0.005, 0.068), (0.01, 0.025), (0.02, 0.007), (0.05, 0.0011)] {
+    for (m, stated) in [(0.005, 0.13), (0.01, 0.025), (0.02, 0.007), (0.05, 0.0015)] {
         let row = (511.0f64 * m).floor();
         let found = between_rows(&table, row / 511.0, (row + 1.0) / 511.0);
         println!("D over the angle, between the rows around m = {m}: {:.3} %", 100.0 * found);
@@ -174,11 +174,11 @@ fn the_table_over_the_root_is_within_its_bound_everywhere() {
         worst = if table_error(&ROOT, m) > worst.0 { (table_error(&ROOT, m), m) } else { worst };
     }
     println!("D over the root, f16: ≤ {:.3} %, at m = {:.2e}", 100.0 * worst.0, worst.1);
-    assert!(worst.0 <= 0.0026 && worst.0 > 0.0015, "{worst:?}");
+    assert!(worst.0 <= 0.002 && worst.0 > 0.0018, "{worst:?}");
 }
 
 /// E, Figure 5: the largest difference of an image by the tables is less than 6 %. Of F·D, for which alone the tables stand,
-/// relative to its peak over all half vectors and cosines, it is so from m = .0065 on.
+/// relative to its peak over all half vectors and cosines, it is so from m = .006 on, and not below.
 #[test]
 fn the_claim_of_six_percent_holds_but_for_the_smoothest() {
     let copper = by_name("copper_elek").expect("a built-in metal");
@@ -207,7 +207,7 @@ fn the_claim_of_six_percent_holds_but_for_the_smoothest() {
     }
     let at = [0.003, 0.005, 0.01, 0.02].map(|m| format!("{m}: {:.1} %", 100.0 * product(m))).join(", ");
     println!("F·D by the printed tables is within 6 % of its peak from m = {least:.4} on; {at}");
-    assert!(least < 0.01, "{least}");
+    assert!((0.0055..0.0065).contains(&least), "{least}");
 }
 
 #[test]
