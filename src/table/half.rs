@@ -32,12 +32,16 @@ impl Half {
     /// This number, exactly.
     #[inline(always)]
     pub fn to_f64(self) -> f64 {
-        let size = u32::from(self.0 & 0x7fff);
-        // The exponent moves from a bias of 15 to one of 127; ∞ and NaN go to the largest.
-        let bias = if size >= 0x7c00 { 224 } else { 112 };
-        let normal = f32::from_bits((size << 13) + (bias << 23));
-        let subnormal = size as f32 * (1.0 / 16_777_216.0);
-        let value = if size < 1024 { subnormal } else { normal };
-        f64::from(if self.0 >= 0x8000 { -value } else { value })
+        let (size, sign) = (u64::from(self.0 & 0x7fff), u64::from(self.0 & 0x8000) << 48);
+        if size >= 0x7c00 {
+            let open = if size == 0x7c00 { f64::INFINITY } else { f64::NAN };
+            return f64::from_bits(open.to_bits() | sign);
+        }
+        // The fraction, with the 1 before it of all but subnormals, in units of 2^(exponent − 25). No choice that depends on the
+        // number: those of a lobe are of all sizes.
+        let exponent = size >> 10;
+        let units = (size & 1023) | (u64::from(exponent > 0) << 10);
+        let value = units as f64 * f64::from_bits((exponent.max(1) + 998) << 52);
+        f64::from_bits(value.to_bits() | sign)
     }
 }

@@ -4,8 +4,9 @@
 //! storage buffers. [`FresnelTable`] and [`FresnelAtlas`] hold F, [`DistributionTable`] D; all interpolate linearly
 //! between texels that lie at the ends of the range: texel i of n stands for i/(n−1).
 //!
-//! A table is kept for what it is: an approximation whose error is measured (`tests/tables.rs`). On today's machines the
-//! exact terms, or [`fresnel::Fit`](crate::fresnel::Fit), cost about as much (`cargo bench --bench terms`).
+//! Tables are approximations, whose errors `tests/tables.rs` measures. What they save depends on the machine and on the term
+//! (`cargo bench --bench terms`): on a CPU a table of F over the root costs less than a tenth of the exact conductor, one of D
+//! several times the exact Beckmann.
 //!
 //! A filtering sampler does the same in one fetch where the coordinate is ((n−1)·u + ½)/n along each axis; hardware
 //! keeps 8 bits of the fraction between texels. Mip levels mix widths and must stay off (Elek 2010, §3.1).
