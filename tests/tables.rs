@@ -294,7 +294,7 @@ fn any_argument_gives_a_number_of_the_table() {
             for z in wild {
                 for alpha in wild {
                     let value = table.evaluate(Vector::new(x, 0.0, z), alpha);
-                    assert!(value >= 0.0 && value <= 1.5e6 / PI, "{x} {z} {alpha}: {value}");
+                    assert!((0.0..=1.5e6 / PI).contains(&value), "{x} {z} {alpha}: {value}");
                     assert!(z > 0.0 || value == 0.0, "{x} {z} {alpha}: {value}");
                     let single = table.evaluate(Vector::new(x as f32, 0.0, z as f32), alpha as f32);
                     assert!(single >= 0.0, "{x} {z} {alpha}: {single}");

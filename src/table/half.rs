@@ -32,7 +32,7 @@ impl Half {
     /// This number, exactly.
     #[inline(always)]
     pub fn to_f64(self) -> f64 {
-        let (size, sign) = (u64::from(self.0 & 0x7fff), u64::from(self.0 & 0x8000) << 48);
+        let (size, sign) = (u32::from(self.0 & 0x7fff), u64::from(self.0 & 0x8000) << 48);
         if size >= 0x7c00 {
             let open = if size == 0x7c00 { f64::INFINITY } else { f64::NAN };
             return f64::from_bits(open.to_bits() | sign);
@@ -40,8 +40,8 @@ impl Half {
         // The fraction, with the 1 before it of all but subnormals, in units of 2^(exponent − 25). No choice that depends on the
         // number: those of a lobe are of all sizes.
         let exponent = size >> 10;
-        let units = (size & 1023) | (u64::from(exponent > 0) << 10);
-        let value = units as f64 * f64::from_bits((exponent.max(1) + 998) << 52);
+        let units = (size & 1023) | (u32::from(exponent > 0) << 10);
+        let value = f64::from(units) * f64::from_bits(u64::from(exponent.max(1) + 998) << 52);
         f64::from_bits(value.to_bits() | sign)
     }
 }
