@@ -11,7 +11,7 @@ pub const SIDE: usize = 512;
 
 /// Beckmann's D, tabulated over the angle of the half vector and the width, interpolated linearly in both.
 ///
-/// $$D(\theta, m) \approx \mathrm{lerp}\bigl(T_{ij}\bigr),\quad i = (N-1)\,\sqrt[8]{2\theta/\pi}$$
+/// $$D(\theta, m) \approx \mathrm{lerp}\bigl(T_{ij}\bigr),\quad i = (N-1)\,(2\theta/\pi)^{1/8}$$
 ///
 /// In plain text, [`Mapping::Angle`], as printed: texel (i, j) of N×M holds D at θ = u⁸·π/2 and m = m₀ + (1−m₀)·v with u = i/(N−1),
 /// v = j/(M−1), and is looked up at u = (2θ/π)^(1/8), three square roots. (The text says that u⁸ takes three multiplications, which is
@@ -33,7 +33,7 @@ pub const SIDE: usize = 512;
 ///
 /// let table = DistributionTable::<Half>::new(SIDE, SIDE, 1e-4, Mapping::Root)?;
 /// assert_eq!(size_of_val(table.texels()), 512 * 1024);
-/// let (h, m) = (Vector::new(0.1, 0.0, 1.0), 0.15);
+/// let (h, m) = (Vector::new(0.1, 0.0, 1.0), 0.15_f64);
 /// let peak = distribution::beckmann(Vector::new(0.0, 0.0, 1.0), m);
 /// assert!((table.evaluate(h, m) - distribution::beckmann(h, m)).abs() < 0.002 * peak);
 /// # Ok::<(), brdf::table::TableError>(())

@@ -31,7 +31,7 @@ pub const ENTRIES: usize = 128;
 /// let (n, k) = ([0.213, 1.04, 1.17], [4.05, 2.59, 2.36]);
 /// let copper = FresnelTable::<3, u8>::new(n, k, ENTRIES, Mapping::Angle)?;
 /// assert_eq!(size_of_val(copper.entries()), 384);
-/// let exact = fresnel::conductor(0.3, n[1], k[1]).reflectance;
+/// let exact = fresnel::conductor(0.3_f64, n[1], k[1]).reflectance;
 /// assert!((copper.reflectance(0.3)[1] - exact).abs() < 0.0026);
 /// # Ok::<(), brdf::table::TableError>(())
 /// ```
