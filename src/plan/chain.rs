@@ -1,6 +1,6 @@
 //! Stages in a row, and one evaluation through them.
 
-use super::interface::{AnyConductor, AnyDielectric, Conductor, Dielectric, Each, Fitted, Grey};
+use super::interface::{AnyConductor, AnyDielectric, Conductor, Dielectric, Each, Fitted, Grey, Metal};
 use super::stage::{Absorption, Base, Lobe, Passage, Ray};
 use crate::frame::Vector;
 use crate::layered::Model;
@@ -12,7 +12,8 @@ use alloc::vec::Vec;
 pub(crate) enum Surface<const K: usize> {
     Dielectric(Dielectric),
     AnyDielectric(AnyDielectric),
-    GreyConductor(Grey<Conductor>),
+    GreyMetal(Grey<Metal>),
+    Metals(Each<Metal, K>),
     Conductors(Each<Conductor, K>),
     AnyConductors(Each<AnyConductor, K>),
     Fit8(Fitted<K, 8>),
@@ -45,7 +46,8 @@ macro_rules! with_surface {
         match $surface {
             $crate::plan::chain::Surface::Dielectric($fresnel) => $body,
             $crate::plan::chain::Surface::AnyDielectric($fresnel) => $body,
-            $crate::plan::chain::Surface::GreyConductor($fresnel) => $body,
+            $crate::plan::chain::Surface::GreyMetal($fresnel) => $body,
+            $crate::plan::chain::Surface::Metals($fresnel) => $body,
             $crate::plan::chain::Surface::Conductors($fresnel) => $body,
             $crate::plan::chain::Surface::AnyConductors($fresnel) => $body,
             $crate::plan::chain::Surface::Fit8($fresnel) => $body,
