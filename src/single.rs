@@ -109,6 +109,10 @@ impl<const FUSED: bool> Real for Single<FUSED> {
     fn exp(self) -> Self {
         lanes::exp(self)
     }
+    #[inline(always)]
+    fn exp_within(self) -> Self {
+        lanes::exp_within(self)
+    }
     /// −∞ at 0 and for subnormal numbers, NaN below. Error: ≤ 2 ULP.
     #[inline(always)]
     fn ln(self) -> Self {

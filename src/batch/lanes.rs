@@ -17,8 +17,8 @@ pub(crate) trait Lanes: Real<Wide = Self> {
     fn load(slice: &[f32]) -> Self;
     /// Writes the first numbers of a slice that has room for them.
     fn store(self, slice: &mut [f32]);
-    /// 2ⁿ of n + 1.5·2²³, n in [−126, 127].
-    fn power_of_two(shifted: Self) -> Self;
+    /// Times 2ⁿ, n in [−126, 127], of n + 1.5·2²³ and n.
+    fn scale(self, shifted: Self, power: Self) -> Self;
     /// The fraction in [√½, √2) and the power of two of normal numbers > 0.
     fn split(self) -> (Self, Self);
 }
@@ -50,6 +50,14 @@ const WIDEST: usize = 16;
 #[inline(always)]
 pub(crate) fn exp<L: Lanes>(x: L) -> L {
     let constant = |c: f32| L::from_f64(f64::from(c));
+    let value = L::select(x.lt(constant(-87.3)), L::ZERO, exp_within(x));
+    L::select(x.gt(constant(88.0)), constant(f32::INFINITY), value)
+}
+
+/// eˣ on [−87.3, 88], by a polynomial in what is left of x past the nearest multiple of ln 2.
+#[inline(always)]
+pub(crate) fn exp_within<L: Lanes>(x: L) -> L {
+    let constant = |c: f32| L::from_f64(f64::from(c));
     // x = power·ln 2 + r, |r| ≤ ln2/2: adding 1.5·2²³ rounds to a whole number, which is left in the low bits.
     let magic = constant(12_582_912.0);
     let shifted = x.mul_add(constant(core::f32::consts::LOG2_E), magic);
@@ -58,9 +66,7 @@ pub(crate) fn exp<L: Lanes>(x: L) -> L {
     let r = power.mul_add(constant(-0.693_359_375), x);
     let r = power.mul_add(constant(2.121_944_4e-4), r);
     let value = L::ONE + (r * r).mul_add(horner(r, &EXP_SINGLE), r);
-    let value = value * L::power_of_two(shifted);
-    let value = L::select(x.lt(constant(-87.3)), L::ZERO, value);
-    L::select(x.gt(constant(88.0)), constant(f32::INFINITY), value)
+    value.scale(shifted, power)
 }
 
 /// ln x; −∞ at 0 and for subnormal numbers, NaN below. Error: ≤ 2 ULP.
@@ -116,8 +122,8 @@ impl<const FUSED: bool> Lanes for Single<FUSED> {
         slice[0] = self.0;
     }
     #[inline(always)]
-    fn power_of_two(shifted: Self) -> Self {
-        Single(f32::from_bits(shifted.0.to_bits().wrapping_add(127) << 23))
+    fn scale(self, shifted: Self, _: Self) -> Self {
+        self * Single(f32::from_bits(shifted.0.to_bits().wrapping_add(127) << 23))
     }
     #[inline(always)]
     fn split(self) -> (Self, Self) {
@@ -162,7 +168,7 @@ pub(crate) trait Register: Copy + Debug + Send + Sync + 'static {
     unsafe fn or(a: Self::Bits, b: Self::Bits) -> Self::Bits;
     /// A bit for each lane.
     unsafe fn mask(bits: Self::Bits) -> u32;
-    unsafe fn power_of_two(shifted: Self) -> Self;
+    unsafe fn scale(self, shifted: Self, power: Self) -> Self;
     unsafe fn split(self) -> (Self, Self);
 }
 
@@ -235,9 +241,9 @@ impl<T: Register> Lanes for Vectored<T> {
         unsafe { self.0.store(slice) }
     }
     #[inline(always)]
-    fn power_of_two(shifted: Self) -> Self {
+    fn scale(self, shifted: Self, power: Self) -> Self {
         // SAFETY: as of Register.
-        Vectored(unsafe { T::power_of_two(shifted.0) })
+        Vectored(unsafe { self.0.scale(shifted.0, power.0) })
     }
     #[inline(always)]
     fn split(self) -> (Self, Self) {
@@ -285,6 +291,10 @@ impl<T: Register> Real for Vectored<T> {
     #[inline(always)]
     fn exp(self) -> Self {
         exp(self)
+    }
+    #[inline(always)]
+    fn exp_within(self) -> Self {
+        exp_within(self)
     }
     #[inline(always)]
     fn ln(self) -> Self {

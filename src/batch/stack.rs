@@ -93,10 +93,16 @@ impl<const C: usize> Plan<C> {
 
 /// Where the directions towards the viewer come from.
 trait Viewers: Copy {
+    /// The first `count`.
+    fn cut(self, count: usize) -> Self;
     fn load<L: Lanes>(&self, start: usize, length: usize) -> Vector<L>;
 }
 
 impl Viewers for [&[f32]; 3] {
+    #[inline(always)]
+    fn cut(self, count: usize) -> Self {
+        [&self[0][..count], &self[1][..count], &self[2][..count]]
+    }
     #[inline(always)]
     fn load<L: Lanes>(&self, start: usize, length: usize) -> Vector<L> {
         Vector::new(load(self[0], start, length), load(self[1], start, length), load(self[2], start, length))
@@ -104,6 +110,10 @@ impl Viewers for [&[f32]; 3] {
 }
 
 impl Viewers for Vector<f32> {
+    #[inline(always)]
+    fn cut(self, _: usize) -> Self {
+        self
+    }
     #[inline(always)]
     fn load<L: Lanes>(&self, _: usize, _: usize) -> Vector<L> {
         Vector::new(L::from_f64(f64::from(self.x)), L::from_f64(f64::from(self.y)), L::from_f64(f64::from(self.z)))
@@ -124,39 +134,57 @@ struct Run<'a, V, const K: usize> {
     f: [&'a mut [f32]; K],
 }
 
-impl<V: Viewers, const K: usize> Run<'_, V, K> {
-    /// The directions of a vector of evaluations.
-    #[inline(always)]
-    fn pair<L: Lanes>(&self, start: usize, count: usize) -> (Vector<L>, Vector<L>) {
-        (self.wi.load(start, count - start), self.wo.load(start, count - start))
-    }
+/// The directions of a vector of evaluations.
+#[inline(always)]
+fn pair<L: Lanes>(wi: [&[f32]; 3], wo: impl Viewers, start: usize, end: usize) -> (Vector<L>, Vector<L>) {
+    (wi.load(start, end - start), wo.load(start, end - start))
+}
 
-    /// Puts f of a vector of evaluations in its place.
-    #[inline(always)]
-    fn put<L: Lanes>(&mut self, start: usize, values: [L; K]) {
-        for channel in 0..K {
-            let room = &mut self.f[channel][start..];
-            if room.len() >= L::COUNT {
-                values[channel].store(room);
-            } else {
-                store_part(values[channel], room);
-            }
+/// Puts f of a vector of evaluations in its place.
+#[inline(always)]
+fn put<L: Lanes, const K: usize>(f: &mut [&mut [f32]; K], start: usize, values: [L; K]) {
+    for channel in 0..K {
+        let room = &mut f[channel][start..];
+        if room.len() >= L::COUNT {
+            values[channel].store(room);
+        } else {
+            store_part(values[channel], room);
         }
     }
 }
 
+// Loops over indices and no closures: what runs over vectors must be inlined whole. Constants are copied out of the plan, or each
+// store to f would have them loaded again.
 impl<V: Viewers, const K: usize> Work for Run<'_, V, K> {
     #[inline(always)]
-    fn run<L: Lanes>(mut self) {
-        let count = self.f.first().map_or(0, |f| f.len());
-        if let [Stage::Reflect { lobe, surface }] = self.chain.stages.as_slice() {
+    fn run<L: Lanes>(self) {
+        let Run { chain, wi, wo, mut f } = self;
+        let count = wi[0].len();
+        // All of one length, which the compiler can then tell.
+        let (wi, wo) = ([&wi[0][..count], &wi[1][..count], &wi[2][..count]], wo.cut(count));
+        for channel in 0..K {
+            f[channel] = &mut core::mem::take(&mut f[channel])[..count];
+        }
+        if let [Stage::Reflect { lobe, surface }] = chain.stages.as_slice() {
             // One interface: nothing to keep between stages.
             with_surface!(surface, fresnel => {
-                for start in (0..count).step_by(L::COUNT) {
-                    let (wi, wo) = self.pair(start, count);
+                let (lobe, fresnel) = (*lobe, *fresnel);
+                let whole = count - count % L::COUNT;
+                let mut start = 0;
+                while start + L::COUNT <= count {
+                    let (wi, wo) = pair(wi, wo, start, start + L::COUNT);
                     let mut ray = Ray::<L, K>::new(wi, wo);
-                    lobe.reflect(&mut ray, fresnel);
-                    self.put(start, ray.f);
+                    lobe.reflect(&mut ray, &fresnel);
+                    for channel in 0..K {
+                        ray.f[channel].store(&mut f[channel][start..]);
+                    }
+                    start += L::COUNT;
+                }
+                if whole < count {
+                    let (wi, wo) = pair(wi, wo, whole, count);
+                    let mut ray = Ray::<L, K>::new(wi, wo);
+                    lobe.reflect(&mut ray, &fresnel);
+                    put(&mut f, whole, ray.f);
                 }
             });
             return;
@@ -165,74 +193,86 @@ impl<V: Viewers, const K: usize> Work for Run<'_, V, K> {
         for start in (0..count).step_by(BLOCK * L::COUNT) {
             let end = count.min(start + BLOCK * L::COUNT);
             let vectors = (end - start).div_ceil(L::COUNT);
-            self.block(&mut rays[..vectors], start, end);
+            block(chain, wi, wo, &mut rays[..vectors], start, end);
             for i in 0..vectors {
-                self.put(start + i * L::COUNT, rays[i].f);
+                put(&mut f, start + i * L::COUNT, rays[i].f);
             }
         }
     }
 }
 
-impl<V: Viewers, const K: usize> Run<'_, V, K> {
-    /// Takes the pairs from `start` to `end` through the stages.
-    // Loops over indices and no closures: what runs over vectors must be inlined whole.
-    #[inline(always)]
-    #[allow(clippy::needless_range_loop)]
-    fn block<L: Lanes>(&self, rays: &mut [Ray<L, K>], start: usize, end: usize) {
-        for i in 0..rays.len() {
-            let (wi, wo) = self.pair(start + i * L::COUNT, end);
-            rays[i] = Ray::new(wi, wo);
-        }
-        for stage in &self.chain.stages {
-            match stage {
-                Stage::Reflect { lobe, surface } => with_surface!(surface, fresnel => {
-                    for i in 0..rays.len() {
-                        lobe.reflect(&mut rays[i], fresnel);
-                    }
-                }),
-                Stage::Pass { passage, way, model } => {
-                    with_way!(way, fresnel => match model {
+/// Takes the pairs from `start` to `end` through the stages.
+#[inline(always)]
+#[allow(clippy::needless_range_loop)]
+fn block<L: Lanes, const K: usize>(
+    chain: &Chain<K>,
+    wi: [&[f32]; 3],
+    wo: impl Viewers,
+    rays: &mut [Ray<L, K>],
+    start: usize,
+    end: usize,
+) {
+    for i in 0..rays.len() {
+        let (wi, wo) = pair(wi, wo, start + i * L::COUNT, end);
+        rays[i] = Ray::new(wi, wo);
+    }
+    for stage in &chain.stages {
+        match stage {
+            Stage::Reflect { lobe, surface } => with_surface!(surface, fresnel => {
+                let (lobe, fresnel) = (*lobe, *fresnel);
+                for i in 0..rays.len() {
+                    lobe.reflect(&mut rays[i], &fresnel);
+                }
+            }),
+            Stage::Pass { passage, way, model } => {
+                let passage = *passage;
+                with_way!(way, fresnel => {
+                    let fresnel = *fresnel;
+                    match model {
                         Model::Elek => {
                             for i in 0..rays.len() {
-                                let (wi, wo) = self.pair(start + i * L::COUNT, end);
-                                passage.elek(&mut rays[i], (wi.z, wo.z), fresnel);
+                                let (wi, wo) = pair::<L>(wi, wo, start + i * L::COUNT, end);
+                                passage.elek(&mut rays[i], (wi.z, wo.z), &fresnel);
                             }
                         }
                         Model::WeidlichWilkie => {
                             for i in 0..rays.len() {
-                                passage.weidlich_wilkie(&mut rays[i], fresnel);
+                                passage.weidlich_wilkie(&mut rays[i], &fresnel);
                             }
                         }
                         _ => {
                             for i in 0..rays.len() {
-                                let (wi, wo) = self.pair(start + i * L::COUNT, end);
-                                passage.conserve(&mut rays[i], (wi.z, wo.z), fresnel);
+                                let (wi, wo) = pair::<L>(wi, wo, start + i * L::COUNT, end);
+                                passage.conserve(&mut rays[i], (wi.z, wo.z), &fresnel);
                             }
                         }
-                    });
-                    let mut arrives = false;
-                    for i in 0..rays.len() {
-                        arrives |= rays[i].arrives().any();
                     }
-                    if !arrives {
-                        return;
-                    }
+                });
+                let mut arrives = false;
+                for i in 0..rays.len() {
+                    arrives |= rays[i].arrives().any();
                 }
-                Stage::Absorb(medium) => {
-                    for i in 0..rays.len() {
-                        medium.absorb(&mut rays[i]);
-                    }
+                if !arrives {
+                    return;
                 }
-                Stage::Lambert(base) => {
-                    for i in 0..rays.len() {
-                        base.lambert(&mut rays[i]);
-                    }
+            }
+            Stage::Absorb(medium) => {
+                let medium = *medium;
+                for i in 0..rays.len() {
+                    medium.absorb(&mut rays[i]);
                 }
-                Stage::OrenNayar { base, about_half } => {
-                    for i in 0..rays.len() {
-                        let (wi, wo) = self.pair(start + i * L::COUNT, end);
-                        base.oren_nayar(&mut rays[i], wi, wo, *about_half);
-                    }
+            }
+            Stage::Lambert(base) => {
+                let base = *base;
+                for i in 0..rays.len() {
+                    base.lambert(&mut rays[i]);
+                }
+            }
+            Stage::OrenNayar { base, about_half } => {
+                let (base, about_half) = (*base, *about_half);
+                for i in 0..rays.len() {
+                    let (wi, wo) = pair(wi, wo, start + i * L::COUNT, end);
+                    base.oren_nayar(&mut rays[i], wi, wo, about_half);
                 }
             }
         }

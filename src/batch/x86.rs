@@ -107,8 +107,11 @@ impl Register for __m128 {
         unsafe { _mm_movemask_ps(bits) as u32 }
     }
     #[inline(always)]
-    unsafe fn power_of_two(shifted: Self) -> Self {
-        unsafe { _mm_castsi128_ps(_mm_slli_epi32::<23>(_mm_add_epi32(_mm_castps_si128(shifted), _mm_set1_epi32(127)))) }
+    unsafe fn scale(self, shifted: Self, _: Self) -> Self {
+        unsafe {
+            let power = _mm_add_epi32(_mm_castps_si128(shifted), _mm_set1_epi32(127));
+            _mm_mul_ps(self, _mm_castsi128_ps(_mm_slli_epi32::<23>(power)))
+        }
     }
     #[inline(always)]
     unsafe fn split(self) -> (Self, Self) {
@@ -174,10 +177,10 @@ impl Register for __m256 {
         unsafe { _mm256_movemask_ps(bits) as u32 }
     }
     #[inline(always)]
-    unsafe fn power_of_two(shifted: Self) -> Self {
+    unsafe fn scale(self, shifted: Self, _: Self) -> Self {
         unsafe {
             let power = _mm256_add_epi32(_mm256_castps_si256(shifted), _mm256_set1_epi32(127));
-            _mm256_castsi256_ps(_mm256_slli_epi32::<23>(power))
+            _mm256_mul_ps(self, _mm256_castsi256_ps(_mm256_slli_epi32::<23>(power)))
         }
     }
     #[inline(always)]
@@ -244,11 +247,8 @@ impl Register for __m512 {
         u32::from(bits)
     }
     #[inline(always)]
-    unsafe fn power_of_two(shifted: Self) -> Self {
-        unsafe {
-            let power = _mm512_add_epi32(_mm512_castps_si512(shifted), _mm512_set1_epi32(127));
-            _mm512_castsi512_ps(_mm512_slli_epi32::<23>(power))
-        }
+    unsafe fn scale(self, _: Self, power: Self) -> Self {
+        unsafe { _mm512_scalef_ps(self, power) }
     }
     #[inline(always)]
     unsafe fn split(self) -> (Self, Self) {

@@ -17,6 +17,7 @@ pub(crate) enum Surface<const K: usize> {
     Conductors(Each<Conductor, K>),
     AnyConductors(Each<AnyConductor, K>),
     Fit8(Fitted<K, 8>),
+    Fit10(Fitted<K, 10>),
     Fit12(Fitted<K, 12>),
 }
 
@@ -27,6 +28,7 @@ pub(crate) enum Way<const K: usize> {
     AnyDielectric(AnyDielectric),
     AnyConductors(Each<AnyConductor, K>),
     Fit8(Fitted<K, 8>),
+    Fit10(Fitted<K, 10>),
     Fit12(Fitted<K, 12>),
 }
 
@@ -51,6 +53,7 @@ macro_rules! with_surface {
             $crate::plan::chain::Surface::Conductors($fresnel) => $body,
             $crate::plan::chain::Surface::AnyConductors($fresnel) => $body,
             $crate::plan::chain::Surface::Fit8($fresnel) => $body,
+            $crate::plan::chain::Surface::Fit10($fresnel) => $body,
             $crate::plan::chain::Surface::Fit12($fresnel) => $body,
         }
     };
@@ -63,6 +66,7 @@ macro_rules! with_way {
             $crate::plan::chain::Way::AnyDielectric($fresnel) => $body,
             $crate::plan::chain::Way::AnyConductors($fresnel) => $body,
             $crate::plan::chain::Way::Fit8($fresnel) => $body,
+            $crate::plan::chain::Way::Fit10($fresnel) => $body,
             $crate::plan::chain::Way::Fit12($fresnel) => $body,
         }
     };

@@ -81,7 +81,7 @@ impl<const C: usize> Plan<C> {
     }
 
     /// The plan of a stack with the Fresnel terms of its conductors fitted ([`Fit`]) where the largest error of F is at most
-    /// `max_error`: the smallest of the fits of 8 and 12 coefficients that does, exact where neither does.
+    /// `max_error`: the smallest of the fits of 8, 10 and 12 coefficients that does, exact where none does.
     ///
     /// # Errors
     /// As [`Plan::new`].
@@ -271,6 +271,9 @@ impl Builder<'_> {
                 return Surface::Fit8(Fitted { fit, n_above });
             }
             if let Some(fit) = self.fit(n, k, reference) {
+                return Surface::Fit10(Fitted { fit, n_above });
+            }
+            if let Some(fit) = self.fit(n, k, reference) {
                 return Surface::Fit12(Fitted { fit, n_above });
             }
         }
@@ -297,6 +300,7 @@ impl Builder<'_> {
             Surface::Dielectric(dielectric) => Way::Dielectric(dielectric),
             Surface::AnyDielectric(dielectric) => Way::AnyDielectric(dielectric),
             Surface::Fit8(fit) => Way::Fit8(fit),
+            Surface::Fit10(fit) => Way::Fit10(fit),
             Surface::Fit12(fit) => Way::Fit12(fit),
             _ => Way::AnyConductors(self.any(n, k, n_above, reference)),
         }

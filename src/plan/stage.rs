@@ -146,8 +146,8 @@ impl Lobe {
         let (exponent, rounding) = tan.product_exact(inverse_square);
         let rounding = tan.mul_add(inverse_lost, lost.mul_add(inverse_square, rounding));
         let inside = exponent.le(W::EXP_LIMIT);
-        let exponential = (-exponent).exp();
-        let exponential = exponential - exponential * rounding;
+        let exponential = (-exponent).exp_within();
+        let exponential = (-exponential).mul_add(rounding, exponential);
         let secant = W::ONE + tan;
         let d = W::select(inside, secant * secant * exponential * W::from_f64(self.scale), W::ZERO);
 
