@@ -217,6 +217,13 @@ pub trait Real:
     fn mul_add(self, factor: Self, addend: Self) -> Self {
         self * factor + addend
     }
+    /// addend − self·factor, the product without its rounding error: what is left of a division or a root.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn remainder(self, factor: Self, addend: Self) -> Self {
+        let (product, lost) = self.product_exact(factor);
+        (addend - product) - lost
+    }
     /// x clamped to [0, 1]; NaN becomes 0.
     #[inline(always)]
     fn saturate(self) -> Self {

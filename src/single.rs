@@ -160,6 +160,15 @@ impl<const FUSED: bool> Real for Single<FUSED> {
         let (product, error) = self.0.product_exact(other.0);
         (Single(product), Single(error))
     }
+    #[inline(always)]
+    fn remainder(self, factor: Self, addend: Self) -> Self {
+        #[cfg(feature = "std")]
+        if FUSED {
+            return Single(f32::mul_add(-self.0, factor.0, addend.0));
+        }
+        let (product, lost) = self.product_exact(factor);
+        (addend - product) - lost
+    }
     /// Error: ≤ 2 ULP for x ≥ −1/2.
     #[inline(always)]
     fn ln_one_plus(self) -> Self {

@@ -158,6 +158,8 @@ pub(crate) trait Register: Copy + Debug + Send + Sync + 'static {
     unsafe fn min(self, other: Self) -> Self;
     unsafe fn max(self, other: Self) -> Self;
     unsafe fn mul_add(self, factor: Self, addend: Self) -> Self;
+    /// addend − self·factor, the product without its rounding error.
+    unsafe fn remainder(self, factor: Self, addend: Self) -> Self;
     /// What rounding took from the product.
     unsafe fn product_error(self, other: Self, product: Self) -> Self;
     unsafe fn lt(self, other: Self) -> Self::Bits;
@@ -266,7 +268,7 @@ impl<T: Register> Real for Vectored<T> {
     const EPSILON: Self = Vectored(T::CONSTANTS[6]);
     const EXP_LIMIT: Self = Vectored(T::CONSTANTS[7]);
 
-    delegate!(sqrt(), abs(), min(other), max(other), mul_add(factor, addend));
+    delegate!(sqrt(), abs(), min(other), max(other), mul_add(factor, addend), remainder(factor, addend));
 
     #[inline(always)]
     fn from_f64(x: f64) -> Self {

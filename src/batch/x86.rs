@@ -68,6 +68,13 @@ impl Register for __m128 {
         unsafe { _mm_add_ps(_mm_mul_ps(self, factor), addend) }
     }
     #[inline(always)]
+    unsafe fn remainder(self, factor: Self, addend: Self) -> Self {
+        unsafe {
+            let product = _mm_mul_ps(self, factor);
+            _mm_sub_ps(_mm_sub_ps(addend, product), self.product_error(factor, product))
+        }
+    }
+    #[inline(always)]
     unsafe fn product_error(self, other: Self, product: Self) -> Self {
         // Two halves of the product in double precision, where it is exact.
         unsafe {
@@ -145,6 +152,10 @@ impl Register for __m256 {
         unsafe { _mm256_fmadd_ps(self, factor, addend) }
     }
     #[inline(always)]
+    unsafe fn remainder(self, factor: Self, addend: Self) -> Self {
+        unsafe { _mm256_fnmadd_ps(self, factor, addend) }
+    }
+    #[inline(always)]
     unsafe fn product_error(self, other: Self, product: Self) -> Self {
         unsafe { _mm256_fmsub_ps(self, other, product) }
     }
@@ -213,6 +224,10 @@ impl Register for __m512 {
     #[inline(always)]
     unsafe fn mul_add(self, factor: Self, addend: Self) -> Self {
         unsafe { _mm512_fmadd_ps(self, factor, addend) }
+    }
+    #[inline(always)]
+    unsafe fn remainder(self, factor: Self, addend: Self) -> Self {
+        unsafe { _mm512_fnmadd_ps(self, factor, addend) }
     }
     #[inline(always)]
     unsafe fn product_error(self, other: Self, product: Self) -> Self {

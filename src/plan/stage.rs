@@ -44,7 +44,8 @@ impl<W: Real<Wide = W>, const K: usize> Ray<W, K> {
         let ((x, x_lost), (y, y_lost)) = (wi.x.sum_exact(wo.x), wi.y.sum_exact(wo.y));
         let ((xx, xx_lost), (yy, yy_lost)) = (x.product_exact(x), y.product_exact(y));
         let (across, across_lost) = xx.sum_exact(yy);
-        let lost = W::TWO * x.mul_add(x_lost, y * y_lost) + (xx_lost + yy_lost) + across_lost;
+        let mixed = x.mul_add(x_lost, y * y_lost);
+        let lost = ((mixed + mixed) + (xx_lost + yy_lost)) + across_lost;
         let mut ray = Ray {
             cos_i,
             cos_o,
@@ -81,12 +82,11 @@ impl<W: Real<Wide = W>, const K: usize> Ray<W, K> {
     fn aim(&mut self, h_z: W, lost: W) {
         let (across, across_lost) = self.across;
         let (z_squared, z_lost) = h_z.product_exact(h_z);
-        let z_lost = (W::TWO * h_z).mul_add(lost, z_lost);
+        let z_lost = (h_z + h_z).mul_add(lost, z_lost);
         let inverse = W::ONE / z_squared;
         let tan = across * inverse;
         // What is left of the division, and what the parts had lost.
-        let (product, product_lost) = tan.product_exact(z_squared);
-        let rest = ((across - product) - product_lost) + (across_lost - tan * z_lost);
+        let rest = tan.remainder(z_squared, across) + tan.remainder(z_lost, across_lost);
         self.h_z = h_z;
         self.tan = (tan, rest * inverse);
         self.half_squared = W::from_f64(0.25) * h_z.mul_add(h_z, across);
@@ -147,9 +147,9 @@ impl Lobe {
         let rounding = tan.mul_add(inverse_lost, lost.mul_add(inverse_square, rounding));
         let inside = exponent.le(W::EXP_LIMIT);
         let exponential = (-exponent).exp_within();
-        let exponential = (-exponential).mul_add(rounding, exponential);
+        let exponential = exponential.remainder(rounding, exponential);
         let secant = W::ONE + tan;
-        let d = W::select(inside, secant * secant * exponential * W::from_f64(self.scale), W::ZERO);
+        let d = W::select(inside, (secant * secant) * (exponential * W::from_f64(self.scale)), W::ZERO);
 
         let (least, most) = (ray.cos_i.min(ray.cos_o), ray.cos_i.max(ray.cos_o));
         let cavity = most * (least * ray.h_z).max(ray.half_squared);
@@ -214,8 +214,7 @@ impl Passage {
         let (sum, sum_lost) = square.sum_exact(excess);
         let sum_lost = sum_lost + (square_lost + excess_lost);
         let root = sum.max(W::ZERO).sqrt();
-        let (back, back_lost) = root.product_exact(root);
-        (root, sum, ((sum - back) - back_lost) + sum_lost)
+        (root, sum, root.remainder(root, sum) + sum_lost)
     }
 
     /// The energy-conserving way: the transmittance of either direction.
