@@ -5,6 +5,7 @@
 
 pub use crate::fresnel_fit::{Fit, FitError};
 use crate::real::Real;
+use crate::twofold::Twofold;
 
 /// The split of arriving power at an interface. The two parts sum to 1; each is computed directly, since 1−R loses
 /// every digit of a small transmittance.
@@ -18,6 +19,19 @@ pub struct Fresnel<R> {
 }
 
 impl<W: Real> Fresnel<W> {
+    /// The larger part as what the smaller leaves of 1, where the numbers are as short as the result: it errs less.
+    #[inline(always)]
+    fn complemented(self) -> Self {
+        if !W::CARRIES {
+            return self;
+        }
+        let Fresnel { reflectance, transmittance } = self;
+        Fresnel {
+            reflectance: W::select(transmittance.lt(W::HALF), W::ONE - transmittance, reflectance),
+            transmittance: W::select(reflectance.lt(W::HALF), W::ONE - reflectance, transmittance),
+        }
+    }
+
     /// The nearest numbers of a type that computes in `W`.
     #[inline(always)]
     pub(crate) fn narrow<R: Real<Wide = W>>(self) -> Fresnel<R> {
@@ -37,7 +51,7 @@ impl<W: Real> Fresnel<W> {
 ///
 /// Error in f32: ≤ 0.6 ULP for η in [1/4, 4], cos in [1e-6, 1], the critical angle
 /// included: g² is summed without rounding error. Source: Cook & Torrance 1982, eq. 18; Born & Wolf, §1.5.2, eq. 21.
-#[inline]
+#[inline(always)]
 pub fn dielectric<R: Real>(cos_i: R, eta: R) -> Fresnel<R> {
     dielectric_wide::<_, R>(cos_i.widen(), eta.widen()).narrow()
 }
@@ -46,15 +60,18 @@ pub fn dielectric<R: Real>(cos_i: R, eta: R) -> Fresnel<R> {
 #[inline(always)]
 pub(crate) fn dielectric_wide<W: Real, R: Real<Wide = W>>(cos_i: W, eta: W) -> Fresnel<W> {
     let c = cos_i;
-    let g_squared = refracted_square_wide::<_, R>(c, eta);
-    let total = g_squared.lt(W::ZERO);
-    let g = g_squared.max(W::ZERO).sqrt();
+    let g_squared = refracted_square_carried::<_, R>(Twofold::new(c), eta);
+    let total = g_squared.high.lt(W::ZERO);
+    let root = g_squared.sqrt();
+    let g = root.high;
     // The differences c−g and η²c−g are written as quotients that do not cancel: (c−g)(c+g) = 1−η².
-    let e1 = (eta - W::ONE) * (eta + W::ONE);
-    let eta_squared = eta * eta;
-    let matched = (c + g).le(W::ZERO);
-    let sum_s = W::select(matched, W::ONE, (c + g).squared());
-    let sum_p = W::select(matched, W::ONE, (eta_squared * c + g).squared());
+    let e1 = (Twofold::sum(eta, -W::ONE) * Twofold::sum(eta, W::ONE)).rounded();
+    let exact_square = Twofold::square(eta);
+    let eta_squared = exact_square.high;
+    let (sum, weighted) = (Twofold::new(c) + root, exact_square * c + root);
+    let matched = sum.high.le(W::ZERO);
+    let sum_s = W::select(matched, W::ONE, sum.squared().rounded());
+    let sum_p = W::select(matched, W::ONE, weighted.squared().rounded());
     let rs = e1 / sum_s;
     // (η²c−g)(η²c+g), which vanishes at Brewster's angle: for small η that is close to the critical angle, where sum_p
     // is small, while F is far from 0 and the difference itself exact enough.
@@ -66,12 +83,13 @@ pub(crate) fn dielectric_wide<W: Real, R: Real<Wide = W>>(cos_i: W, eta: W) -> F
         reflectance: W::select(total, W::ONE, W::HALF * (rs * rs + rp * rp)),
         transmittance: W::select(total, W::ZERO, W::select(matched, W::ONE, transmittance)),
     }
+    .complemented()
 }
 
 /// g² = c² + η² − 1, η² times the squared cosine of the refracted ray; negative on total reflection.
 ///
 /// Summed from exact products, so that it keeps its relative accuracy down to the critical angle. Error in f32: ≤ 0.6 ULP where it is positive.
-#[inline]
+#[inline(always)]
 pub fn refracted_square<R: Real>(cos_i: R, eta: R) -> R {
     R::narrow(refracted_square_wide::<_, R>(cos_i.widen(), eta.widen()))
 }
@@ -79,12 +97,22 @@ pub fn refracted_square<R: Real>(cos_i: R, eta: R) -> R {
 /// [`refracted_square`] in the numbers that it computes with.
 #[inline(always)]
 pub(crate) fn refracted_square_wide<W: Real, R: Real<Wide = W>>(cos_i: W, eta: W) -> W {
+    refracted_square_carried::<_, R>(Twofold::new(cos_i), eta).rounded()
+}
+
+/// [`refracted_square`] of an unrounded cosine, unrounded where the type carries.
+#[inline(always)]
+pub(crate) fn refracted_square_carried<W: Real, R: Real<Wide = W>>(cos_i: Twofold<W>, eta: W) -> Twofold<W> {
+    if W::CARRIES {
+        return (Twofold::square(eta) - Twofold::new(W::ONE)) + cos_i.squared();
+    }
+    let cos_i = cos_i.high;
     let (c, c_error) = R::product_wide(cos_i, cos_i);
     let (e, e_error) = R::product_wide(eta, eta);
     // Where the sum cancels, the larger square is in [1/2, 1]: both differences are exact there (Sterbenz).
     let sum = (c.max(e) - W::ONE) + c.min(e);
     let (fine, finer) = c_error.sum_exact(e_error);
-    (sum + fine) + finer
+    Twofold::new((sum + fine) + finer)
 }
 
 /// The exact Fresnel equations of a conductor with the relative index n + iκ; κ = 0 is a dielectric.
@@ -100,7 +128,7 @@ pub(crate) fn refracted_square_wide<W: Real, R: Real<Wide = W>>(cos_i: W, eta: W
 /// Error in f32: ≤ 0.6 ULP for n in [0.02, 8], κ in [0, 12], cos in [1e-6, 1], the critical angle of κ ≈ 0, n < 1 included.
 /// Source: Born & Wolf, §14.2, eq. 15–18; Elek 2010, §2.1 (which prints an approximation); the roots are chosen so that
 /// none cancels.
-#[inline]
+#[inline(always)]
 pub fn conductor<R: Real>(cos_i: R, n: R, k: R) -> Fresnel<R> {
     conductor_wide::<_, R>(cos_i.widen(), n.widen(), k.widen()).narrow()
 }
@@ -108,10 +136,16 @@ pub fn conductor<R: Real>(cos_i: R, n: R, k: R) -> Fresnel<R> {
 /// [`conductor`] in the numbers that it computes with.
 #[inline(always)]
 pub(crate) fn conductor_wide<W: Real, R: Real<Wide = W>>(cos_i: W, n: W, k: W) -> Fresnel<W> {
-    let c = cos_i;
+    conductor_carried::<_, R>(Twofold::new(cos_i), n, k)
+}
+
+/// [`conductor`] at an unrounded cosine: at a critical angle the root magnifies its rounding.
+#[inline(always)]
+pub(crate) fn conductor_carried<W: Real, R: Real<Wide = W>>(cos_i: Twofold<W>, n: W, k: W) -> Fresnel<W> {
+    let c = cos_i.high;
     let e1 = (n - W::ONE) * (n + W::ONE) - k * k;
     // e1+c², which vanishes at the critical angle of κ ≈ 0.
-    let real = refracted_square_wide::<_, R>(c, n) - k * k;
+    let real = (refracted_square_carried::<_, R>(cos_i, n) - Twofold::square(k)).rounded();
     let nk = n * k;
     let modulus = (real * real + W::from_f64(4.0) * nk * nk).sqrt();
     let larger = (W::HALF * (modulus + real.abs())).sqrt();
@@ -140,6 +174,7 @@ pub(crate) fn conductor_wide<W: Real, R: Real<Wide = W>>(cos_i: W, n: W, k: W) -
         reflectance: W::HALF * fs * (W::ONE + fq),
         transmittance: W::select(matched, W::ONE, ts + W::HALF * tq * (W::ONE - ts)),
     }
+    .complemented()
 }
 
 /// The reflectance of a conductor for |n+iκ|² ≫ 1, the approximation that Mihaylov prints.
@@ -152,7 +187,7 @@ pub(crate) fn conductor_wide<W: Real, R: Real<Wide = W>>(cos_i: W, n: W, k: W) -
 ///
 /// Differs from [`conductor`] by up to .099 at n = 1.5, κ = 0 and by ≤ .008 for κ ≥ 2. Error in f32: ≤ 0.6 ULP.
 /// Source: Mihaylov 2013, eq. 3.6 and 4.6 (its listing drops a factor: erratum 15).
-#[inline]
+#[inline(always)]
 pub fn conductor_approx<R: Real>(cos_i: R, n: R, k: R) -> R {
     R::narrow(conductor_approx_wide(cos_i.widen(), n.widen(), k.widen()))
 }
@@ -176,7 +211,7 @@ fn conductor_approx_wide<W: Real>(cos_i: W, n: W, k: W) -> W {
 /// In plain text: F0 = ((n−1)²+κ²)/((n+1)²+κ²). `n` > 0, `k` ≥ 0; 0 at n = 1, κ = 0.
 ///
 /// Error in f32: ≤ 0.6 ULP. Source: Elek 2010, App. B; Born & Wolf, §14.2.
-#[inline]
+#[inline(always)]
 pub fn normal_incidence<R: Real>(n: R, k: R) -> R {
     R::narrow(normal_incidence_wide(n.widen(), k.widen()))
 }
@@ -197,20 +232,31 @@ fn normal_incidence_wide<W: Real>(n: W, k: W) -> W {
 ///
 /// Error in f32: ≤ 0.6 ULP of the formula; against the exact dielectric at n = 1.5 up to .036.
 /// Source: Schlick 1994, eq. 15.
-#[inline]
+#[inline(always)]
 pub fn schlick<R: Real>(cos_i: R, f0: R) -> Fresnel<R> {
     schlick_wide(cos_i.widen(), f0.widen()).narrow()
 }
 
 #[inline(always)]
 fn schlick_wide<W: Real>(cos_i: W, f0: W) -> Fresnel<W> {
-    let q = W::ONE - cos_i;
+    let q = Twofold::sum(W::ONE, -cos_i);
     let q_squared = q * q;
+    let fourth = q_squared * q_squared;
     let rest = W::ONE - f0;
+    let one = Twofold::new(W::ONE);
     Fresnel {
-        reflectance: f0 + rest * (q_squared * q_squared * q),
-        transmittance: rest * cos_i * ((W::ONE + q) * (W::ONE + q_squared) + q_squared * q_squared),
+        reflectance: f0 + rest * (fourth * q).rounded(),
+        transmittance: rest * cos_i * ((one + q) * (one + q_squared) + fourth).rounded(),
     }
+    .complemented()
+}
+
+/// (1−c)⁵.
+#[inline(always)]
+fn fifth_power<W: Real>(cos_i: W) -> W {
+    let q = Twofold::sum(W::ONE, -cos_i);
+    let q_squared = q * q;
+    (q_squared * q_squared * q).rounded()
 }
 
 /// Schlick's approximation from the two indices of a dielectric interface.
@@ -218,7 +264,7 @@ fn schlick_wide<W: Real>(cos_i: W, f0: W) -> Fresnel<W> {
 /// F0 = ((n_t−n_i)/(n_t+n_i))², then [`schlick`]. `cos_i` in [0, 1]; `n_i`, `n_t` > 0. It knows no total reflection.
 ///
 /// Error in f32: ≤ 0.6 ULP. Source: Mihaylov 2013, eq. 4.9; Schlick 1994, eq. 15.
-#[inline]
+#[inline(always)]
 pub fn schlick_from_indices<R: Real>(cos_i: R, n_i: R, n_t: R) -> Fresnel<R> {
     schlick_from_indices_wide(cos_i.widen(), n_i.widen(), n_t.widen()).narrow()
 }
@@ -236,17 +282,15 @@ fn schlick_from_indices_wide<W: Real>(cos_i: W, n_i: W, n_t: W) -> Fresnel<W> {
 ///
 /// Error in f32: ≤ 0.6 ULP of the formula; against [`conductor`] up to .041 for copper and .243 for chromium at 84°.
 /// Source: Lazányi & Szirmay-Kalos 2005, eq. 5; Elek 2010, App. B, which prints the fourth power.
-#[inline]
+#[inline(always)]
 pub fn lazanyi_uncorrected<R: Real>(cos_i: R, n: R, k: R) -> R {
     R::narrow(lazanyi_uncorrected_wide(cos_i.widen(), n.widen(), k.widen()))
 }
 
 #[inline(always)]
 fn lazanyi_uncorrected_wide<W: Real>(cos_i: W, n: W, k: W) -> W {
-    let q = W::ONE - cos_i;
-    let q_squared = q * q;
     let k_squared = k * k;
-    ((n - W::ONE).squared() + W::from_f64(4.0) * n * (q_squared * q_squared * q) + k_squared)
+    ((n - W::ONE).squared() + W::from_f64(4.0) * n * fifth_power(cos_i) + k_squared)
         / ((n + W::ONE).squared() + k_squared)
 }
 
@@ -260,7 +304,7 @@ fn lazanyi_uncorrected_wide<W: Real>(cos_i: W, n: W, k: W) -> W {
 ///
 /// Error in f32: ≤ 0.6 ULP of the formula; against [`conductor`] ≤ .0195 for the fitted seed metals.
 /// Source: Lazányi & Szirmay-Kalos 2005, eq. 6.
-#[inline]
+#[inline(always)]
 pub fn lazanyi<R: Real>(cos_i: R, n: R, k: R, a: R, exponent: R) -> R {
     R::narrow(lazanyi_wide(cos_i.widen(), n.widen(), k.widen(), a.widen(), exponent.widen()))
 }
@@ -354,7 +398,7 @@ pub(crate) fn golden_section(low: f64, high: f64, steps: usize, f: impl Fn(f64) 
 ///
 /// Error in f32: ≤ 0.6 ULP. Source: Kutz, Hašan & Edmondson 2021, "Novel aspects of the Adobe Standard
 /// Material", §2.3; OpenPBR 1.1, "Metal".
-#[inline]
+#[inline(always)]
 pub fn f82_tint<R: Real>(cos_i: R, f0: R, tint: R) -> R {
     R::narrow(f82_tint_wide(cos_i.widen(), f0.widen(), tint.widen()))
 }

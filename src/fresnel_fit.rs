@@ -129,20 +129,20 @@ impl<const C: usize, const N: usize> Fit<C, N> {
     /// The split of arriving power in each channel.
     ///
     /// `cos_i` in [0, 1]: cosine of the angle of incidence. F, T in [0, 1] for any number.
-    #[inline]
+    #[inline(always)]
     pub fn evaluate<R: Real>(&self, cos_i: R) -> [Fresnel<R>; C] {
         let split = |transmittance| Fresnel { reflectance: R::Wide::ONE - transmittance, transmittance };
         self.transmittance_wide(cos_i.widen()).map(|t| split(t).narrow())
     }
 
     /// The reflected fraction in each channel; `cos_i` in [0, 1].
-    #[inline]
+    #[inline(always)]
     pub fn reflectance<R: Real>(&self, cos_i: R) -> [R; C] {
         self.transmittance_wide(cos_i.widen()).map(|t| R::narrow(R::Wide::ONE - t))
     }
 
     /// The transmitted fraction in each channel; `cos_i` in [0, 1].
-    #[inline]
+    #[inline(always)]
     pub fn transmittance<R: Real>(&self, cos_i: R) -> [R; C] {
         self.transmittance_wide(cos_i.widen()).map(R::narrow)
     }

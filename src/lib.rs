@@ -71,6 +71,7 @@ mod series;
 #[cfg(feature = "shader")]
 pub mod shader;
 pub mod single;
+mod twofold;
 #[cfg(feature = "std")]
 pub mod walk;
 pub mod wgsl;

@@ -4,9 +4,10 @@
 
 use crate::distribution;
 use crate::frame::{Vector, half_vector};
-use crate::fresnel;
+use crate::fresnel::{self, Fresnel};
 use crate::masking;
 use crate::real::Real;
+use crate::twofold::Twofold;
 
 /// The Torrance–Sparrow BRDF with the factors that it is the product of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,11 +36,10 @@ pub struct TorranceSparrow<R> {
 ///
 /// With F = 1 the albedo is ≤ 1 for every α. Error in f32: ≤ 0.6 ULP, every factor included.
 /// Source: Torrance & Sparrow 1967; Cook & Torrance 1982; Elek 2010, eq. 1 (4 times too bright: erratum 1).
-#[inline]
+#[inline(always)]
 pub fn torrance_sparrow<R: Real>(wi: Vector<R>, wo: Vector<R>, n: R, k: R, alpha: R) -> TorranceSparrow<R> {
-    let (wi, wo) = (wi.widen(), wo.widen());
-    let fresnel = fresnel::conductor_wide::<_, R>(cos_half(wi, wo), n.widen(), k.widen());
-    let facets = facets_wide::<_, R>(wi, wo, alpha.widen());
+    let ([fresnel], facets) =
+        torrance_sparrow_wide::<_, R, 1>(wi.widen(), wo.widen(), [n.widen()], [k.widen()], alpha.widen());
     TorranceSparrow {
         f: R::narrow(fresnel.reflectance * facets.lobe),
         reflectance: R::narrow(fresnel.reflectance),
@@ -49,10 +49,25 @@ pub fn torrance_sparrow<R: Real>(wi: Vector<R>, wo: Vector<R>, n: R, k: R, alpha
     }
 }
 
+/// The factors of [`torrance_sparrow`] for each channel and for all, in the numbers that it computes with.
+#[inline(always)]
+pub(crate) fn torrance_sparrow_wide<W: Real, R: Real<Wide = W>, const C: usize>(
+    wi: Vector<W>,
+    wo: Vector<W>,
+    n: [W; C],
+    k: [W; C],
+    alpha: W,
+) -> ([Fresnel<W>; C], Facets<W>) {
+    let cosine = wi.sum_carried(wo).length_squared_carried().sqrt() * W::HALF;
+    let cosine = Twofold::select(cosine.high.lt(W::ONE), cosine, Twofold::new(W::ONE));
+    let fresnel = core::array::from_fn(|c| fresnel::conductor_carried::<_, R>(cosine, n[c], k[c]));
+    (fresnel, facets_wide::<_, R>(wi, wo, alpha))
+}
+
 /// V·H = |wi+wo|/2 of two unit directions, at most 1: the cosine of incidence on the microfacet that mirrors them.
 ///
 /// Error in f32: ≤ 0.6 ULP.
-#[inline]
+#[inline(always)]
 pub fn cos_half<R: Real>(wi: Vector<R>, wo: Vector<R>) -> R {
     let (wi, wo) = (wi.widen(), wo.widen());
     R::narrow(R::Wide::HALF * half_vector(wi, wo).length_squared().sqrt()).min(R::ONE)
@@ -80,7 +95,7 @@ impl<W: Real> Facets<W> {
 /// Beckmann's distribution under V-cavities, without the Fresnel term. `alpha` in [1e-4, 1].
 ///
 /// Error in f32: ≤ 0.6 ULP.
-#[inline]
+#[inline(always)]
 pub fn facets<R: Real>(wi: Vector<R>, wo: Vector<R>, alpha: R) -> Facets<R> {
     facets_wide::<_, R>(wi.widen(), wo.widen(), alpha.widen()).narrow()
 }
@@ -88,9 +103,9 @@ pub fn facets<R: Real>(wi: Vector<R>, wo: Vector<R>, alpha: R) -> Facets<R> {
 /// [`facets`] in the numbers that it computes with.
 #[inline(always)]
 pub(crate) fn facets_wide<W: Real, R: Real<Wide = W>>(wi: Vector<W>, wo: Vector<W>, alpha: W) -> Facets<W> {
-    let h = half_vector(wi, wo);
+    let h = wi.sum_carried(wo);
     let lit = wi.z.gt(W::ZERO) & wo.z.gt(W::ZERO);
-    let d = W::select(lit, distribution::beckmann_wide::<_, R>(h, alpha), W::ZERO);
-    let masking = masking::v_cavity(wi.z, wo.z, h);
+    let d = W::select(lit, distribution::beckmann_carried::<_, R>(h, alpha), W::ZERO);
+    let masking = masking::v_cavity(wi.z, wo.z, h.rounded());
     Facets { lobe: d * masking.visibility, d, g: masking.g }
 }

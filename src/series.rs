@@ -86,7 +86,7 @@ pub(crate) fn angle_polynomial(opposite: f64, adjacent: f64) -> f64 {
 }
 
 /// [`ANGLE`] for f32 throughout, relative error 2.9e-9: that of `wgsl/real.wgsl`.
-const ANGLE_SINGLE: [f32; 10] = [
+pub(crate) const ANGLE_SINGLE: [f32; 10] = [
     0.999_999_997_161,
     -0.333_332_762_92,
     0.199_980_752_811,

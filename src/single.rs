@@ -6,7 +6,8 @@
 //! vector instructions, which is what [`batch`](crate::batch) is made of.
 
 use crate::real::{Real, Sealed};
-use crate::series::{EXP_SINGLE, LN_SINGLE, angle_short, erfcx_single, horner};
+use crate::series::{ANGLE_SINGLE, EXP_SINGLE, LN_SINGLE, angle_short, erfcx_single, horner};
+use crate::twofold::Twofold;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// An f32 whose terms compute in f32 throughout; `FUSED` where the processor is known to multiply and add in one instruction.
@@ -95,6 +96,7 @@ impl<const FUSED: bool> Sealed for Single<FUSED> {}
 impl<const FUSED: bool> Real for Single<FUSED> {
     type Mask = bool;
     type Wide = Self;
+    const CARRIES: bool = true;
 
     const ZERO: Self = Single(0.0);
     const ONE: Self = Single(1.0);
@@ -228,6 +230,45 @@ impl<const FUSED: bool> Real for Single<FUSED> {
     #[inline(always)]
     fn erfcx_wide(x: Self) -> Self {
         erfcx_single(x)
+    }
+    /// Relative error: 2⁻²⁹.
+    #[inline(always)]
+    fn ln_one_plus_carried(high: Self, low: Self) -> (Self, Self) {
+        let (sum, lost) = Self::ONE.sum_exact(high);
+        let (fraction, power) = sum.split();
+        let near = high.0 > -0.25 && high.0 < 0.375;
+        let x = Self::select(near, high, fraction - Self::ONE);
+        let power = Self::select(near, Self::ZERO, power);
+        // What x lacks of the argument: near 1 it is the argument's own.
+        let missing = Self::select(near, low, lost + low) / sum;
+        // x − x²/2 without rounding, the rest of the series is at most a seventh of it.
+        let (square, square_error) = x.product_exact(x);
+        let rest = x * square * horner(x, &LN_SINGLE);
+        let series = Twofold::sum(x, Single(-0.5) * square);
+        let tail = (rest - Self::HALF * square_error) + missing;
+        // The first part of ln 2 has nine digits: the product is exact.
+        let whole = Twofold::new(power * Single(0.693_359_375));
+        let tail = power.mul_add(Single(-2.121_944_4e-4), tail);
+        let value = whole + Twofold { high: series.high, low: series.low + tail };
+        (value.high, value.low)
+    }
+    /// Relative error: 2⁻²⁶.
+    #[inline(always)]
+    fn angle_carried(high: Self, low: Self, adjacent: Self) -> (Self, Self) {
+        let opposite = Twofold { high, low };
+        let adjacent = Twofold::new(adjacent);
+        let steep = high.gt(adjacent.high);
+        let larger = Twofold::select(steep, opposite, adjacent);
+        let smaller = Twofold::select(steep, adjacent, opposite);
+        let divisor = Twofold::select(larger.high.gt(Self::ZERO), larger, Twofold::new(Self::ONE));
+        let r = smaller / divisor;
+        let square = r.high * r.high;
+        // atan(r) = r + r³·Q(r²), whose slope is 1/(1+r²).
+        let odd = Twofold::sum(r.high, r.high * square * horner(square, &ANGLE_SINGLE[1..]));
+        let odd = odd + Twofold::new(r.low / (Self::ONE + square));
+        let right = Twofold { high: Single(core::f32::consts::FRAC_PI_2), low: Single(-4.371_139e-8) };
+        let angle = Twofold::select(steep, right - odd, odd);
+        (angle.high, angle.low)
     }
 }
 

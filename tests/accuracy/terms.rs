@@ -1,7 +1,8 @@
 //! The table of terms: what they are called with, over which numbers, and what they should reach.
 
-use crate::inputs::{self, Point, alpha, cosine, diffuse_pair, flat, half, index, log, pair, share, upper};
+use crate::inputs::{self, DIMENSIONS, Point, alpha, cosine, diffuse_pair, flat, half, index, log, pair, share, upper};
 use crate::naive;
+use brdf::batch::{self, Kernel, Level};
 use brdf::layered::{self, Interface, Layer};
 use brdf::single::Single;
 use brdf::{Real, Vector};
@@ -10,6 +11,17 @@ use std::f64::consts::PI;
 
 /// A term over the numbers `R`: arguments in, results out, of which there are at most three.
 type Form<R> = fn(&[R]) -> [R; 3];
+
+/// A term over slices, with the instructions of a level: arguments in, of which those that it has not are 0s, results out.
+type Batch = fn(Level, [&[f32]; DIMENSIONS], [&mut [f32]; 3]);
+
+/// How far a term may be off in a batch, where that is not the target.
+#[derive(Clone, Copy)]
+pub(crate) struct Limit {
+    pub(crate) ulp: f64,
+    /// What the ULP are those of where the result is smaller: the size of what cancels in it.
+    pub(crate) scale: fn(&[f64]) -> f64,
+}
 
 /// One row: a function of the crate.
 pub(crate) struct Term {
@@ -29,6 +41,10 @@ pub(crate) struct Term {
     pub(crate) double: Form<f64>,
     /// In f32 throughout.
     pub(crate) plain: Form<Single>,
+    /// Many at once.
+    pub(crate) batch: Batch,
+    /// The limit of a batch; else the target.
+    pub(crate) limit: Option<Limit>,
     /// As the documents print it.
     pub(crate) naive: Option<Form<f32>>,
     /// Whether the result is 0 by decree in f32: an exponent beyond [`Real::EXP_LIMIT`].
@@ -40,6 +56,12 @@ pub(crate) struct Term {
 impl Term {
     pub(crate) fn name(&self) -> String {
         format!("{}::{}", self.module, self.function)
+    }
+
+    /// The limit of a batch; stacks are planned first, and have their own kernel.
+    pub(crate) fn batch_limit(&self) -> Option<Limit> {
+        let target = self.target.map(|ulp| Limit { ulp, scale: |_| 0.0 });
+        self.limit.or(target).filter(|_| self.module != "layered")
     }
 
     /// Whether a result is large enough to be measured. Where no light gets through there is nothing to be off by: total
@@ -112,9 +134,18 @@ fn stack_inputs(p: &Point) -> Vec<f32> {
 macro_rules! term {
     ($list:ident, $module:ident::$function:ident $results:expr, $domain:literal, $draw:expr, |$a:ident| $body:expr
         $(, target $target:literal)? $(, naive |$b:ident| $naive:expr)? $(, past |$c:ident| $past:expr)?
-        $(, least $least:literal)? $(, signed $signed:literal)?) => {{
+        $(, least $least:literal)? $(, signed $signed:literal)?
+        $(, batch $limit:literal $(of |$d:ident| $scale:expr)?)?) => {{
+        #[inline(always)]
         fn evaluate<R: Real>($a: &[R]) -> [R; 3] {
             Results::<R>::three($body)
+        }
+        struct Batched;
+        impl Kernel<DIMENSIONS, 3> for Batched {
+            #[inline(always)]
+            fn evaluate<R: Real<Wide = R>>(&self, arguments: [R; DIMENSIONS]) -> [R; 3] {
+                evaluate(&arguments)
+            }
         }
         #[allow(unused_mut, unused_assignments)]
         let term = {
@@ -129,6 +160,10 @@ macro_rules! term {
                 single: evaluate::<f32>,
                 double: evaluate::<f64>,
                 plain: evaluate::<Single>,
+                batch: |level, arguments, results| {
+                    batch::map_at(level, &Batched, arguments, results).expect("slices of one length");
+                },
+                limit: None,
                 naive: None,
                 past: |_| false,
                 signed: false,
@@ -138,6 +173,10 @@ macro_rules! term {
             $(term.past = |$c: &[f64]| $past > LIMIT;)?
             $(term.least = $least;)?
             $(term.signed = $signed;)?
+            $(
+                term.limit = Some(Limit { ulp: $limit, scale: |_| 0.0 });
+                $(term.limit = Some(Limit { ulp: $limit, scale: |$d: &[f64]| $scale });)?
+            )?
             term
         };
         $list.push(term);
