@@ -80,8 +80,8 @@ pub fn ggx<R: Real>(h: Vector<R>, alpha: R) -> R {
 fn ggx_wide<W: Real>(h: Vector<W>, alpha: W) -> W {
     let (inside, z) = upper(h);
     let (s, z_squared) = (h.carried().sin_squared_carried(), Twofold::square(z));
-    let ratio = alpha * (s + z_squared).rounded() / (s + Twofold::square(alpha) * z_squared).rounded();
-    W::select(inside, ratio * ratio * W::FRAC_1_PI, W::ZERO)
+    let ratio = (s + z_squared) * alpha / (s + Twofold::square(alpha) * z_squared);
+    W::select(inside, (ratio.squared() * W::FRAC_1_PI).rounded(), W::ZERO)
 }
 
 /// GGX with a width for each axis.
@@ -101,8 +101,8 @@ fn ggx_anisotropic_wide<W: Real>(h: Vector<W>, alpha_x: W, alpha_y: W) -> W {
     let (inside, z) = upper(h);
     let (x, y) = (Twofold::new(h.x) / alpha_x, Twofold::new(h.y) / alpha_y);
     let (s, z_squared) = (h.carried().sin_squared_carried(), Twofold::square(z));
-    let ratio = (s + z_squared).rounded() / (x.squared() + y.squared() + z_squared).rounded();
-    W::select(inside, ratio * ratio / (W::PI * alpha_x * alpha_y), W::ZERO)
+    let ratio = (s + z_squared) / (x.squared() + y.squared() + z_squared);
+    W::select(inside, ratio.squared().rounded() / (W::PI * alpha_x * alpha_y), W::ZERO)
 }
 
 /// Blinn's distribution, with the exponent that matches Beckmann's width.

@@ -104,7 +104,13 @@ pub(crate) fn refracted_square_wide<W: Real, R: Real<Wide = W>>(cos_i: W, eta: W
 #[inline(always)]
 pub(crate) fn refracted_square_carried<W: Real, R: Real<Wide = W>>(cos_i: Twofold<W>, eta: W) -> Twofold<W> {
     if W::CARRIES {
-        return (Twofold::square(eta) - Twofold::new(W::ONE)) + cos_i.squared();
+        let (c, e) = (cos_i.squared(), Twofold::square(eta));
+        // The errors of the products first: what is left of a sum that cancels is of their size.
+        let (fine, finer) = c.low.sum_exact(e.low);
+        let larger = Twofold::sum(c.high.max(e.high), -W::ONE);
+        let sum = Twofold::sum(larger.high, c.high.min(e.high));
+        let total = Twofold::sum(sum.high, fine);
+        return Twofold::sum(total.high, total.low + (finer + (larger.low + sum.low)));
     }
     let cos_i = cos_i.high;
     let (c, c_error) = R::product_wide(cos_i, cos_i);
@@ -143,31 +149,38 @@ pub(crate) fn conductor_wide<W: Real, R: Real<Wide = W>>(cos_i: W, n: W, k: W) -
 #[inline(always)]
 pub(crate) fn conductor_carried<W: Real, R: Real<Wide = W>>(cos_i: Twofold<W>, n: W, k: W) -> Fresnel<W> {
     let c = cos_i.high;
-    let e1 = (n - W::ONE) * (n + W::ONE) - k * k;
+    let one = Twofold::new(W::ONE);
+    let k_squared = Twofold::square(k);
+    let e1 = Twofold::sum(n, -W::ONE) * Twofold::sum(n, W::ONE) - k_squared;
     // e1+c², which vanishes at the critical angle of κ ≈ 0.
-    let real = (refracted_square_carried::<_, R>(cos_i, n) - Twofold::square(k)).rounded();
-    let nk = n * k;
-    let modulus = (real * real + W::from_f64(4.0) * nk * nk).sqrt();
-    let larger = (W::HALF * (modulus + real.abs())).sqrt();
-    let smaller = nk / W::select(larger.gt(W::ZERO), larger, W::ONE);
+    let real = refracted_square_carried::<_, R>(cos_i, n) - k_squared;
+    let nk = Twofold::product(n, k);
+    let modulus = (real.squared() + nk.squared() * W::from_f64(4.0)).rounded().sqrt();
+    let real = real.rounded();
+    let root = (Twofold::sum(modulus, real.abs()) * W::HALF).sqrt();
+    let larger = root.high;
+    let smaller = nk.high / W::select(larger.gt(W::ZERO), larger, W::ONE);
     let above = real.ge(W::ZERO);
-    let a = W::select(above, larger, smaller);
+    let carried = Twofold::select(above, root, Twofold::new(smaller));
+    let a = carried.high;
     let b = W::select(above, smaller, larger);
     let b_squared = b * b;
 
-    let sum = (a + c).squared() + b_squared;
+    let a_plus_c = carried + Twofold::new(c);
+    let sum = (a_plus_c.squared() + Twofold::new(b_squared)).rounded();
     let matched = sum.le(W::ZERO);
     let sum = W::select(matched, W::ONE, sum);
     // a−c without cancellation: (a−c)(a+c) = e1+b². Where b ≥ a the quotient would magnify the rounding of b² at small
     // a+c, and b² drowns what a−c loses.
-    let quotient = (e1 + b_squared) / W::select(above & !matched, a + c, W::ONE);
-    let difference = W::select(above, quotient, a - c);
-    let s_squared = (W::ONE - c) * (W::ONE + c);
+    let quotient = (e1 + Twofold::new(b_squared)) / Twofold::select(above & !matched, a_plus_c, one);
+    let difference = W::select(above, quotient.rounded(), a - c);
+    let s_squared = ((one - cos_i) * (one + cos_i)).rounded();
     let ac = a * c;
     let bc_squared = b_squared * c * c;
-    let sum_q = (ac + s_squared).squared() + bc_squared;
-    let fs = (difference * difference + b_squared) / sum;
-    let fq = ((ac - s_squared).squared() + bc_squared) / sum_q;
+    let (minus, plus) = (a.mul_add(c, -s_squared), a.mul_add(c, s_squared));
+    let sum_q = plus.mul_add(plus, bc_squared);
+    let fs = difference.mul_add(difference, b_squared) / sum;
+    let fq = minus.mul_add(minus, bc_squared) / sum_q;
     let ts = W::from_f64(4.0) * ac / sum;
     let tq = W::from_f64(4.0) * ac * s_squared / sum_q;
     Fresnel {
@@ -239,24 +252,22 @@ pub fn schlick<R: Real>(cos_i: R, f0: R) -> Fresnel<R> {
 
 #[inline(always)]
 fn schlick_wide<W: Real>(cos_i: W, f0: W) -> Fresnel<W> {
-    let q = Twofold::sum(W::ONE, -cos_i);
+    let q = W::ONE - cos_i;
     let q_squared = q * q;
-    let fourth = q_squared * q_squared;
     let rest = W::ONE - f0;
-    let one = Twofold::new(W::ONE);
-    Fresnel {
-        reflectance: f0 + rest * (fourth * q).rounded(),
-        transmittance: rest * cos_i * ((one + q) * (one + q_squared) + fourth).rounded(),
-    }
-    .complemented()
+    let series = (W::ONE + q).mul_add(W::ONE + q_squared, q_squared * q_squared);
+    Fresnel { reflectance: rest.mul_add(fifth_power(cos_i), f0), transmittance: rest * cos_i * series }.complemented()
 }
 
 /// (1−c)⁵.
 #[inline(always)]
 fn fifth_power<W: Real>(cos_i: W) -> W {
     let q = Twofold::sum(W::ONE, -cos_i);
-    let q_squared = q * q;
-    (q_squared * q_squared * q).rounded()
+    let q_squared = q.high * q.high;
+    let fourth = q_squared * q_squared;
+    // The power magnifies the rounding of the difference five times.
+    let value = fourth * q.high;
+    if W::CARRIES { (W::from_f64(5.0) * q.low).mul_add(fourth, value) } else { value }
 }
 
 /// Schlick's approximation from the two indices of a dielectric interface.
@@ -312,8 +323,8 @@ pub fn lazanyi<R: Real>(cos_i: R, n: R, k: R, a: R, exponent: R) -> R {
 #[inline(always)]
 fn lazanyi_wide<W: Real>(cos_i: W, n: W, k: W, a: W, exponent: W) -> W {
     let inside = cos_i.lt(W::ONE);
-    let log = W::select(inside, -cos_i, W::ZERO).ln_one_plus();
-    let power = W::select(inside, (exponent * log).exp(), W::ZERO);
+    let log = Twofold::new(W::select(inside, -cos_i, W::ZERO)).ln_one_plus();
+    let power = W::select(inside, (-log * exponent).exp_negative(), W::ZERO);
     (lazanyi_uncorrected(cos_i, n, k) - a * cos_i * power).max(W::ZERO)
 }
 
@@ -409,9 +420,9 @@ fn f82_tint_wide<W: Real>(cos_i: W, f0: W, tint: W) -> W {
     let at_peak = W::from_f64(823_543.0 / 46_656.0);
     let fifth = W::from_f64(7_776.0 / 16_807.0);
     let q = W::ONE - cos_i;
-    let q_squared = q * q;
+    let fifth_of_q = fifth_power(cos_i);
     let schlick_bar = f0 + (W::ONE - f0) * fifth;
     let dip = schlick_bar * (W::ONE - tint) * at_peak;
-    let base = f0 + (W::ONE - f0) * (q_squared * q_squared * q);
-    (base - dip * cos_i * (q_squared * q_squared * q_squared)).max(W::ZERO)
+    let base = f0 + (W::ONE - f0) * fifth_of_q;
+    (base - dip * cos_i * (fifth_of_q * q)).max(W::ZERO)
 }

@@ -42,11 +42,14 @@ fn v_cavity_wide<W: Real>(cos_i: W, cos_o: W, h: Vector<W>) -> Masking<W> {
     let inside = cos_i.gt(W::ZERO) & cos_o.gt(W::ZERO);
     let (least, most) = (cos_i.min(cos_o), cos_i.max(cos_o));
     let guard = |x: W| W::select(inside, x, W::ONE);
-    let length_squared = guard(h.carried().length_squared_carried().rounded());
+    let one = Twofold::new(W::ONE);
+    let length_squared = Twofold::select(inside, h.carried().length_squared_carried(), one);
     // NH/VH = 2hz/|h|².
     let edge = length_squared / (W::TWO * guard(h.z));
-    let visibility = W::HALF / (guard(most) * (W::TWO * guard(least)).max(edge));
-    let g = (W::TWO * least / edge).min(W::ONE);
+    let twice = W::TWO * guard(least);
+    let wider = Twofold::select(twice.lt(edge.high), edge, Twofold::new(twice));
+    let visibility = W::HALF / (wider * guard(most)).rounded();
+    let g = (W::TWO * least / edge.rounded()).min(W::ONE);
     Masking { g: W::select(inside, g, W::ZERO), visibility: W::select(inside, visibility, W::ZERO) }
 }
 
@@ -64,8 +67,8 @@ pub fn smith_ggx<R: Real>(wi: Vector<R>, wo: Vector<R>, alpha_x: R, alpha_y: R) 
 
 #[inline(always)]
 fn smith_ggx_wide<W: Real>(wi: Vector<W>, wo: Vector<W>, alpha_x: W, alpha_y: W) -> Masking<W> {
-    let half_root = |w| W::HALF * stretched_length(w, alpha_x, alpha_y);
-    correlated(wi.z, wo.z, half_root(wi), half_root(wo))
+    let (root_i, root_o) = (stretched_length(wi, alpha_x, alpha_y), stretched_length(wo, alpha_x, alpha_y));
+    correlated(wi.z, wo.z, Twofold::new(W::HALF * root_i), Twofold::new(W::HALF * root_o))
 }
 
 /// Smith's masking for GGX, the product of the two directions' own.
@@ -80,7 +83,9 @@ pub fn smith_ggx_separable<R: Real>(wi: Vector<R>, wo: Vector<R>, alpha_x: R, al
 
 #[inline(always)]
 fn smith_ggx_separable_wide<W: Real>(wi: Vector<W>, wo: Vector<W>, alpha_x: W, alpha_y: W) -> Masking<W> {
-    separable(wi.z, wo.z, projected_area_ggx(wi, alpha_x, alpha_y), projected_area_ggx(wo, alpha_x, alpha_y))
+    let area_i = Twofold::sum(wi.z, stretched_length(wi, alpha_x, alpha_y));
+    let area_o = Twofold::sum(wo.z, stretched_length(wo, alpha_x, alpha_y));
+    separable(wi.z, wo.z, area_i * W::HALF, area_o * W::HALF)
 }
 
 /// Smith's masking for Beckmann's distribution, height-correlated.
@@ -95,11 +100,10 @@ pub fn smith_beckmann<R: Real>(wi: Vector<R>, wo: Vector<R>, alpha_x: R, alpha_y
 
 #[inline(always)]
 fn smith_beckmann_wide<W: Real, R: Real<Wide = W>>(wi: Vector<W>, wo: Vector<W>, alpha_x: W, alpha_y: W) -> Masking<W> {
-    let excess = |w: Vector<W>| {
-        let (z, lambda) = beckmann_lambda::<_, R>(w, alpha_x, alpha_y);
-        W::HALF * z + lambda
-    };
-    correlated(wi.z, wo.z, excess(wi), excess(wo))
+    let (z_i, lambda_i) = beckmann_lambda::<_, R>(wi, alpha_x, alpha_y);
+    let (z_o, lambda_o) = beckmann_lambda::<_, R>(wo, alpha_x, alpha_y);
+    let half = |z| Twofold::new(W::HALF * z);
+    correlated(wi.z, wo.z, half(z_i) + lambda_i, half(z_o) + lambda_o)
 }
 
 /// Smith's masking for Beckmann's distribution, the product of the two directions' own.
@@ -117,12 +121,9 @@ fn smith_beckmann_separable_wide<W: Real, R: Real<Wide = W>>(
     alpha_x: W,
     alpha_y: W,
 ) -> Masking<W> {
-    separable(
-        wi.z,
-        wo.z,
-        projected_area_beckmann_wide::<_, R>(wi, alpha_x, alpha_y),
-        projected_area_beckmann_wide::<_, R>(wo, alpha_x, alpha_y),
-    )
+    let (z_i, lambda_i) = beckmann_lambda::<_, R>(wi, alpha_x, alpha_y);
+    let (z_o, lambda_o) = beckmann_lambda::<_, R>(wo, alpha_x, alpha_y);
+    separable(wi.z, wo.z, Twofold::new(z_i) + lambda_i, Twofold::new(z_o) + lambda_o)
 }
 
 /// The projected area of a GGX microsurface that faces `w`, for 1 of macrosurface: cosθ·(1+Λ) = cosθ/G1.
@@ -166,21 +167,22 @@ pub fn projected_area_beckmann<R: Real>(w: Vector<R>, alpha_x: R, alpha_y: R) ->
 #[inline(always)]
 fn projected_area_beckmann_wide<W: Real, R: Real<Wide = W>>(w: Vector<W>, alpha_x: W, alpha_y: W) -> W {
     let (z, lambda) = beckmann_lambda::<_, R>(w, alpha_x, alpha_y);
-    z + lambda
+    (Twofold::new(z) + lambda).rounded()
 }
 
 /// cosθ and cosθ·Λ of Beckmann's distribution.
 #[inline(always)]
-fn beckmann_lambda<W: Real, R: Real<Wide = W>>(w: Vector<W>, alpha_x: W, alpha_y: W) -> (W, W) {
+fn beckmann_lambda<W: Real, R: Real<Wide = W>>(w: Vector<W>, alpha_x: W, alpha_y: W) -> (W, Twofold<W>) {
     let (x, y) = (Twofold::product(alpha_x, w.x), Twofold::product(alpha_y, w.y));
-    let s = (x.squared() + y.squared()).rounded().sqrt();
+    let stretched = (x.squared() + y.squared()).sqrt();
+    let s = stretched.high;
     // From a = 7 on Λ < exp(−49)/(4·7³√π) < 3e-25 is below both precisions.
     let z = w.z.max(W::ZERO);
     let tilted = z.lt(W::from_f64(7.0) * s);
     let a = W::select(tilted, z, W::ZERO) / W::select(tilted, s, W::ONE);
-    let frac_1_sqrt_pi = W::from_f64(0.564_189_583_547_756_286_95);
-    let lambda = W::HALF * (-(a * a)).exp() * (s * frac_1_sqrt_pi - z * R::erfcx_wide(a));
-    (z, W::select(tilted, lambda, W::ZERO))
+    let frac_1_sqrt_pi = Twofold::constant(0.564_189_583_547_756_286_95);
+    let lambda = (stretched * frac_1_sqrt_pi - Twofold::product(z, R::erfcx_wide(a))) * (W::HALF * (-(a * a)).exp());
+    (z, Twofold::select(tilted, lambda, Twofold::new(W::ZERO)))
 }
 
 /// Kelemen's approximation of the visibility.
@@ -198,23 +200,23 @@ pub fn kelemen<R: Real>(cos_i: R, cos_o: R, h: Vector<R>) -> Masking<R> {
 #[inline(always)]
 fn kelemen_wide<W: Real>(cos_i: W, cos_o: W, h: Vector<W>) -> Masking<W> {
     let inside = cos_i.gt(W::ZERO) & cos_o.gt(W::ZERO);
-    let length_squared = W::select(inside, h.carried().length_squared_carried().rounded(), W::ONE);
-    let visibility = W::ONE / length_squared;
-    let g = W::from_f64(4.0) * cos_i * cos_o / length_squared;
+    let length_squared = Twofold::select(inside, h.carried().length_squared_carried(), Twofold::new(W::ONE));
+    let visibility = W::ONE / length_squared.rounded();
+    let g = (Twofold::product(W::from_f64(4.0) * cos_i, cos_o) / length_squared).rounded();
     Masking { g: W::select(inside, g, W::ZERO), visibility: W::select(inside, visibility, W::ZERO) }
 }
 
 /// G and V of correlated heights from cos·(½+Λ), what the projected areas exceed half their cosines by.
 #[inline(always)]
-fn correlated<R: Real>(cos_i: R, cos_o: R, excess_i: R, excess_o: R) -> Masking<R> {
+fn correlated<R: Real>(cos_i: R, cos_o: R, excess_i: Twofold<R>, excess_o: Twofold<R>) -> Masking<R> {
     // cos_i·cos_o·(1+Λi+Λo), symmetric to the last bit.
-    from_denominator(cos_i, cos_o, cos_o * excess_i + cos_i * excess_o)
+    from_denominator(cos_i, cos_o, (excess_i * cos_o + excess_o * cos_i).rounded())
 }
 
 /// G and V of independent heights from the projected areas.
 #[inline(always)]
-fn separable<R: Real>(cos_i: R, cos_o: R, area_i: R, area_o: R) -> Masking<R> {
-    from_denominator(cos_i, cos_o, area_i * area_o)
+fn separable<R: Real>(cos_i: R, cos_o: R, area_i: Twofold<R>, area_o: Twofold<R>) -> Masking<R> {
+    from_denominator(cos_i, cos_o, (area_i * area_o).rounded())
 }
 
 /// G = NL·NV/d and V = 1/(4d).

@@ -4,7 +4,7 @@
 
 use crate::distribution;
 use crate::frame::{Vector, half_vector};
-use crate::fresnel::{self, Fresnel};
+use crate::fresnel;
 use crate::masking;
 use crate::real::Real;
 use crate::twofold::Twofold;
@@ -38,8 +38,9 @@ pub struct TorranceSparrow<R> {
 /// Source: Torrance & Sparrow 1967; Cook & Torrance 1982; Elek 2010, eq. 1 (4 times too bright: erratum 1).
 #[inline(always)]
 pub fn torrance_sparrow<R: Real>(wi: Vector<R>, wo: Vector<R>, n: R, k: R, alpha: R) -> TorranceSparrow<R> {
-    let ([fresnel], facets) =
-        torrance_sparrow_wide::<_, R, 1>(wi.widen(), wo.widen(), [n.widen()], [k.widen()], alpha.widen());
+    let (wi, wo) = (wi.widen(), wo.widen());
+    let fresnel = fresnel::conductor_carried::<_, R>(cos_half_carried(wi, wo), n.widen(), k.widen());
+    let facets = facets_wide::<_, R>(wi, wo, alpha.widen());
     TorranceSparrow {
         f: R::narrow(fresnel.reflectance * facets.lobe),
         reflectance: R::narrow(fresnel.reflectance),
@@ -49,19 +50,10 @@ pub fn torrance_sparrow<R: Real>(wi: Vector<R>, wo: Vector<R>, n: R, k: R, alpha
     }
 }
 
-/// The factors of [`torrance_sparrow`] for each channel and for all, in the numbers that it computes with.
+/// [`cos_half`], unrounded where the type carries: at a critical angle F magnifies its rounding.
 #[inline(always)]
-pub(crate) fn torrance_sparrow_wide<W: Real, R: Real<Wide = W>, const C: usize>(
-    wi: Vector<W>,
-    wo: Vector<W>,
-    n: [W; C],
-    k: [W; C],
-    alpha: W,
-) -> ([Fresnel<W>; C], Facets<W>) {
-    let cosine = wi.sum_carried(wo).length_squared_carried().sqrt() * W::HALF;
-    let cosine = Twofold::select(cosine.high.lt(W::ONE), cosine, Twofold::new(W::ONE));
-    let fresnel = core::array::from_fn(|c| fresnel::conductor_carried::<_, R>(cosine, n[c], k[c]));
-    (fresnel, facets_wide::<_, R>(wi, wo, alpha))
+pub(crate) fn cos_half_carried<W: Real>(wi: Vector<W>, wo: Vector<W>) -> Twofold<W> {
+    (wi.sum_carried(wo).length_squared_carried().sqrt() * W::HALF).at_most_one()
 }
 
 /// V·H = |wi+wo|/2 of two unit directions, at most 1: the cosine of incidence on the microfacet that mirrors them.

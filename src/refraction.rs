@@ -45,9 +45,8 @@ pub fn refract<R: Real>(w: Vector<R>, eta: R) -> Vector<R> {
 #[inline(always)]
 pub fn refract_about<R: Real>(w: Vector<R>, m: Vector<R>, eta: R) -> Vector<R> {
     let (w, m, eta) = (w.widen(), m.widen(), eta.widen());
-    let one = Twofold::new(R::Wide::ONE);
     let cos_i = Twofold::product(w.x, m.x) + Twofold::product(w.y, m.y) + Twofold::product(w.z, m.z);
-    let cos_i = Twofold::select(cos_i.high.lt(R::Wide::ONE), cos_i, one);
+    let cos_i = cos_i.at_most_one();
     let square = refracted_square_carried::<_, R>(cos_i, eta);
     let transmitted = square.high.gt(R::Wide::ZERO);
     let cos_t = square.sqrt() / eta;

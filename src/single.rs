@@ -191,8 +191,12 @@ impl<const FUSED: bool> Real for Single<FUSED> {
             let product = self * other;
             return (product, Single(f32::mul_add(self.0, other.0, -product.0)));
         }
-        let (product, error) = self.0.product_exact(other.0);
-        (Single(product), Single(error))
+        // Halves of 12 bits, whose products are exact; then Dekker's.
+        let high = |x: Self| Single(f32::from_bits(x.0.to_bits() & 0xffff_f000));
+        let product = self * other;
+        let (ah, bh) = (high(self), high(other));
+        let (al, bl) = (self - ah, other - bh);
+        (product, ((ah * bh - product) + ah * bl + al * bh) + al * bl)
     }
     /// Error: ≤ 2 ULP for x ≥ −1/2.
     #[inline(always)]
@@ -235,12 +239,14 @@ impl<const FUSED: bool> Real for Single<FUSED> {
     #[inline(always)]
     fn ln_one_plus_carried(high: Self, low: Self) -> (Self, Self) {
         let (sum, lost) = Self::ONE.sum_exact(high);
+        // Where the sum is small, what it rounded off is not small beside it.
+        let (sum, lost) = sum.sum_exact(lost + low);
         let (fraction, power) = sum.split();
         let near = high.0 > -0.25 && high.0 < 0.375;
         let x = Self::select(near, high, fraction - Self::ONE);
         let power = Self::select(near, Self::ZERO, power);
         // What x lacks of the argument: near 1 it is the argument's own.
-        let missing = Self::select(near, low, lost + low) / sum;
+        let missing = Self::select(near, low, lost) / sum;
         // x − x²/2 without rounding, the rest of the series is at most a seventh of it.
         let (square, square_error) = x.product_exact(x);
         let rest = x * square * horner(x, &LN_SINGLE);

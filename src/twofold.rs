@@ -22,6 +22,20 @@ impl<W: Real> Twofold<W> {
         Twofold { high, low: W::ZERO }
     }
 
+    /// A constant of formulas.
+    #[inline(always)]
+    pub(crate) fn constant(x: f64) -> Self {
+        let high = W::from_f64(x);
+        Twofold { high, low: if W::CARRIES { W::from_f64(x - high.to_f64()) } else { W::ZERO } }
+    }
+
+    /// The smaller of the number and 1; 1 for NaN.
+    #[inline(always)]
+    pub(crate) fn at_most_one(self) -> Self {
+        let excess = if W::CARRIES { (self.high - W::ONE) + self.low } else { self.high - W::ONE };
+        Self::select(excess.lt(W::ZERO), self, Self::new(W::ONE))
+    }
+
     /// a·b, exactly.
     #[inline(always)]
     pub(crate) fn product(a: W, b: W) -> Self {
@@ -161,14 +175,15 @@ impl<W: Real> Div for Twofold<W> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        let high = self.high / other.high;
         if !W::CARRIES {
-            return Self::new(high);
+            return Self::new(self.high / other.high);
         }
+        // One division, which a loop over one divisor does once.
+        let inverse = W::ONE / other.high;
+        let high = self.high * inverse;
         let (product, error) = high.product_exact(other.high);
         let rest = ((self.high - product) - error) + (self.low - high * other.low);
-        // A reciprocal, which a loop over one divisor takes once.
-        Twofold { high, low: rest * (W::ONE / other.high) }
+        Twofold { high, low: rest * inverse }
     }
 }
 

@@ -5,7 +5,9 @@
 //! *batch*. [`fresnel::Fit`] is a kernel itself. A term of constants alone, such as [`diffuse::lambert`], has none.
 
 use super::Kernel;
-use crate::microfacet::torrance_sparrow_wide;
+use crate::fresnel::conductor_carried;
+use crate::microfacet::cos_half_carried;
+use crate::twofold::Twofold;
 use crate::{Real, Vector, absorption, diffuse, distribution, fresnel, masking, microfacet, phong, refraction};
 
 /// Declares kernels: fields in braces, slices in brackets, then the number of results and their formula.
@@ -351,8 +353,31 @@ impl<const C: usize> Kernel<6, C> for TorranceSparrow<C> {
     #[inline(always)]
     fn evaluate<R: Real<Wide = R>>(&self, [ix, iy, iz, ox, oy, oz]: [R; 6]) -> [R; C] {
         let (wi, wo) = (Vector::new(ix, iy, iz), Vector::new(ox, oy, oz));
-        let (n, k) = (self.n.map(number), self.k.map(number));
-        let (fresnel, facets) = torrance_sparrow_wide::<R, R, C>(wi, wo, n, k, number(self.alpha));
-        fresnel.map(|f| f.reflectance * facets.lobe)
+        let cosine = cos_half_carried(wi, wo);
+        let lobe = microfacet::facets(wi, wo, number(self.alpha)).lobe;
+        let mut f = [R::ZERO; C];
+        // A loop around so much is not unrolled before lanes are made of it: the usual channels by hand.
+        if C > 0 {
+            f[0] = channel(cosine, self.n[0], self.k[0]) * lobe;
+        }
+        if C > 1 {
+            f[1] = channel(cosine, self.n[1], self.k[1]) * lobe;
+        }
+        if C > 2 {
+            f[2] = channel(cosine, self.n[2], self.k[2]) * lobe;
+        }
+        if C > 3 {
+            f[3] = channel(cosine, self.n[3], self.k[3]) * lobe;
+        }
+        for i in 4..C {
+            f[i] = channel(cosine, self.n[i], self.k[i]) * lobe;
+        }
+        f
     }
+}
+
+/// The reflectance of one channel.
+#[inline(always)]
+fn channel<R: Real<Wide = R>>(cosine: Twofold<R>, n: f32, k: f32) -> R {
+    conductor_carried::<R, R>(cosine, number(n), number(k)).reflectance
 }

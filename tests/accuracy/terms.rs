@@ -192,15 +192,15 @@ pub(crate) fn terms() -> Vec<Term> {
         target 8.0, naive |a| naive::dielectric(a[0], a[1]));
     term!(t, fresnel::refracted_square [""], "cos [1e-6, 1], η [1/4, 4]; critical angles",
         |p| inputs::incidence(p), |a| fresnel::refracted_square(a[0], a[1]),
-        naive |a| a[0] * a[0] + a[1] * a[1] - 1.0, signed true);
+        naive |a| a[0] * a[0] + a[1] * a[1] - 1.0, signed true, batch 1.0);
     term!(t, fresnel::conductor ["F", "T"], "cos [1e-6, 1], n [.02, 8], κ [0, 12]; critical angles",
         |p| inputs::conductor(p), |a| fresnel::conductor(a[0], a[1], a[2]),
         target 8.0, naive |a| naive::conductor(a[0], a[1], a[2]));
     term!(t, fresnel::conductor_approx [""], "cos [1e-6, 1], n [.02, 8], κ [0, 12]",
         |p| inputs::conductor(p), |a| fresnel::conductor_approx(a[0], a[1], a[2]),
-        naive |a| naive::conductor_approx(a[0], a[1], a[2]));
+        naive |a| naive::conductor_approx(a[0], a[1], a[2]), batch 8.0);
     term!(t, fresnel::normal_incidence [""], "n [.02, 8], κ [0, 12]",
-        |p| index(p[0], p[1]).to_vec(), |a| fresnel::normal_incidence(a[0], a[1]));
+        |p| index(p[0], p[1]).to_vec(), |a| fresnel::normal_incidence(a[0], a[1]), batch 8.0);
     term!(t, fresnel::schlick ["F", "T"], "cos [1e-6, 1], F₀ [0, 1]",
         |p| vec![cosine(p[0]), share(p[1])], |a| fresnel::schlick(a[0], a[1]),
         target 4.0, naive |a| naive::schlick(a[0], a[1]));
@@ -214,9 +214,11 @@ pub(crate) fn terms() -> Vec<Term> {
     term!(t, fresnel::lazanyi [""], "the same, a [−1, 3], exponent [1, 12]",
         |p| { let mut a = inputs::conductor(p); a.extend([(4.0 * p[4] - 1.0) as f32, (1.0 + 11.0 * p[5]) as f32]); a },
         |a| fresnel::lazanyi(a[0], a[1], a[2], a[3], a[4]),
-        target 8.0, naive |a| naive::lazanyi(a[0], a[1], a[2], a[3], a[4]));
+        target 8.0, naive |a| naive::lazanyi(a[0], a[1], a[2], a[3], a[4]),
+        batch 8.0 of |a| fresnel::lazanyi_uncorrected(a[0], a[1], a[2]).max(1e-30));
     term!(t, fresnel::f82_tint [""], "cos [1e-6, 1], F₀ and tint [0, 1]",
-        |p| vec![cosine(p[0]), share(p[1]), share(p[2])], |a| fresnel::f82_tint(a[0], a[1], a[2]));
+        |p| vec![cosine(p[0]), share(p[1]), share(p[2])], |a| fresnel::f82_tint(a[0], a[1], a[2]),
+        batch 8.0 of |a| fresnel::schlick(a[0], a[1]).reflectance);
 
     term!(t, distribution::beckmann [""], "α [1e-4, 1], tanθ to 1e4·α, any length of h",
         |p| { let a = alpha(p[3]); flat(&[half(a, p)], &[a]) }, |a| distribution::beckmann(vector(a), a[3]),
@@ -235,19 +237,19 @@ pub(crate) fn terms() -> Vec<Term> {
     term!(t, distribution::blinn [""], "α [1e-4, 1], tanθ to 1e4·α, any length of h",
         |p| { let a = alpha(p[3]); flat(&[half(a, p)], &[a]) }, |a| distribution::blinn(vector(a), a[3]),
         naive |a| naive::blinn(vector(a), a[3]),
-        past |a| (1.0 / (a[3] * a[3]) - 1.0) * (vector(a).sin_squared() / (a[2] * a[2])).ln_1p());
+        past |a| (1.0 / (a[3] * a[3]) - 1.0) * (vector(a).sin_squared() / (a[2] * a[2])).ln_1p(), batch 16.0);
     term!(t, distribution::blinn_anisotropic [""], "the same, α [1e-4, 1] along each axis",
         |p| flat(&[half(alpha(p[3]), p)], &[alpha(p[3]), alpha(p[4])]),
         |a| distribution::blinn_anisotropic(vector(a), a[3], a[4]),
         past |a| {
             let s = vector(a).sin_squared();
             (((a[0] / a[3]).powi(2) + (a[1] / a[4]).powi(2)) / s - 1.0) * (s / (a[2] * a[2])).ln_1p()
-        });
+        }, batch 16.0);
     term!(t, distribution::gaussian [""], "the same, c = 1/(πα²)",
         |p| { let a = alpha(p[3]); flat(&[half(a, p)], &[a, (1.0 / (PI * f64::from(a).powi(2))) as f32]) },
         |a| distribution::gaussian(vector(a), a[3], a[4]),
         naive |a| naive::gaussian(vector(a), a[3], a[4]),
-        past |a| (vector(a).sin_squared().sqrt().atan2(a[2]) / a[3]).powi(2));
+        past |a| (vector(a).sin_squared().sqrt().atan2(a[2]) / a[3]).powi(2), batch 100.0);
 
     term!(t, masking::v_cavity ["G", "V"], "cos [1e-6, 1], h = wi + wo rounded",
         |p| flat(&pair(alpha(p[5]), p), &[]), |a| masking::v_cavity(a[2], a[5], vector(a) + vector(&a[3..])),
@@ -271,16 +273,16 @@ pub(crate) fn terms() -> Vec<Term> {
         target 4.0, naive |a| naive::kelemen(vector(a), vector(&a[3..])));
     term!(t, masking::projected_area_ggx [""], "cos [1e-6, 1], α [1e-4, 1] along each axis",
         |p| flat(&[upper(p[0], p[1])], &[alpha(p[5]), alpha(p[6])]),
-        |a| masking::projected_area_ggx(vector(a), a[3], a[4]));
+        |a| masking::projected_area_ggx(vector(a), a[3], a[4]), batch 4.0);
     term!(t, masking::projected_area_beckmann [""], "cos [1e-6, 1], α [1e-4, 1] along each axis",
         |p| flat(&[upper(p[0], p[1])], &[alpha(p[5]), alpha(p[6])]),
-        |a| masking::projected_area_beckmann(vector(a), a[3], a[4]));
+        |a| masking::projected_area_beckmann(vector(a), a[3], a[4]), batch 4.0);
 
-    term!(t, diffuse::lambert [""], "ρ [0, 1]", |p| vec![share(p[0])], |a| diffuse::lambert(a[0]));
+    term!(t, diffuse::lambert [""], "ρ [0, 1]", |p| vec![share(p[0])], |a| diffuse::lambert(a[0]), batch 2.0);
     term!(t, diffuse::oren_nayar ["direct", "interreflection"], "cos [1e-6, 1], σ [0, π/2]",
         |p| flat(&diffuse_pair(p), &[(p[5] * PI / 2.0) as f32]),
         |a| { let f = diffuse::oren_nayar(vector(a), vector(&a[3..]), a[6]); [f.direct, f.interreflection] },
-        target 16.0, naive |a| naive::oren_nayar(vector(a), vector(&a[3..]), a[6]), signed true);
+        target 16.0, naive |a| naive::oren_nayar(vector(a), vector(&a[3..]), a[6]), signed true, batch 16.0 of |_a| 0.5);
     term!(t, diffuse::oren_nayar_qualitative [""], "cos [1e-6, 1], σ [0, π/2], ρ [0, 1]",
         |p| flat(&diffuse_pair(p), &[(p[5] * PI / 2.0) as f32, p[6] as f32]),
         |a| diffuse::oren_nayar_qualitative(vector(a), vector(&a[3..]), a[6], a[7]),
@@ -311,16 +313,16 @@ pub(crate) fn terms() -> Vec<Term> {
         past |a| {
             let mirrored = Vector::new(-a[0], -a[1], a[2]);
             -a[6] * (-(0.5 * (mirrored + vector(&a[3..]) * -1.0).length_squared()).min(1.0)).ln_1p()
-        });
+        }, batch 16.0);
     term!(t, phong::blinn_phong [""], "cos [1e-6, 1], n [.01, 1e6]",
         |p| { let n = log(p[5], 0.01, 1e6); flat(&pair((2.0 / (n + 2.0)).sqrt() as f32, p), &[n as f32]) },
         |a| phong::blinn_phong(vector(a), vector(&a[3..]), a[6]),
         naive |a| naive::blinn_phong(vector(a), vector(&a[3..]), a[6]),
-        past |a| 0.5 * a[6] * (exponent_of_pair(a, 1.0)).ln_1p());
+        past |a| 0.5 * a[6] * (exponent_of_pair(a, 1.0)).ln_1p(), batch 16.0);
 
     term!(t, microfacet::cos_half [""], "cos [1e-6, 1]", |p| flat(&pair(alpha(p[5]), p), &[]),
         |a| microfacet::cos_half(vector(a), vector(&a[3..])),
-        naive |a| vector(&a[3..]).dot((vector(a) + vector(&a[3..])).normalized()));
+        naive |a| vector(&a[3..]).dot((vector(a) + vector(&a[3..])).normalized()), batch 4.0);
     term!(t, microfacet::facets ["lobe", "D"], "cos [1e-6, 1], α [1e-4, 1]",
         |p| { let a = alpha(p[5]); flat(&pair(a, p), &[a]) },
         |a| { let f = microfacet::facets(vector(a), vector(&a[3..]), a[6]); [f.lobe, f.d] },
@@ -343,9 +345,9 @@ pub(crate) fn terms() -> Vec<Term> {
         stack_inputs, |a| { let [f] = layered::weidlich_wilkie(&stack(a), vector(a), vector(&a[3..])); f },
         target 12.0, least 1e-8);
 
-    term!(t, real::erfcx [""], "x [1e-6, 1e4]", |p| vec![log(p[0], 1e-6, 1e4) as f32], |a| a[0].erfcx());
+    term!(t, real::erfcx [""], "x [1e-6, 1e4]", |p| vec![log(p[0], 1e-6, 1e4) as f32], |a| a[0].erfcx(), batch 6.0);
     term!(t, real::exp_product [""], "a, b [1e-6, 1e3]",
         |p| vec![log(p[0], 1e-6, 1e3) as f32, log(p[1], 1e-6, 1e3) as f32], |a| a[0].exp_product(a[1]),
-        naive |a| (-(a[0] * a[1])).exp(), past |a| a[0] * a[1]);
+        naive |a| (-(a[0] * a[1])).exp(), past |a| a[0] * a[1], batch 2.0);
     t
 }
