@@ -1,8 +1,8 @@
 //! f32 in every step: the cheap instance of the terms, and the one that vectorises.
 //!
 //! Over `f32` a term computes in double precision and rounds once. Over [`Single`] the same formula runs in f32
-//! throughout, as its WGSL twin does, and each term loses what `docs/accuracy.md` lists, a few ULP for most and 4 ULP for
-//! each unit of an exponent. Nothing in it branches or calls: in a loop over many evaluations the compiler turns it into
+//! throughout, as its WGSL twin does, and carries along the rounding errors that the result would magnify, those of
+//! exponents above all, which the twin does not. Each term loses what `docs/accuracy.md` lists, a few ULP. Nothing in it branches or calls: in a loop over many evaluations the compiler turns it into
 //! vector instructions, which is what [`batch`](crate::batch) is made of.
 
 use crate::real::{Real, Sealed};
