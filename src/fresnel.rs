@@ -252,11 +252,17 @@ pub fn schlick<R: Real>(cos_i: R, f0: R) -> Fresnel<R> {
 
 #[inline(always)]
 fn schlick_wide<W: Real>(cos_i: W, f0: W) -> Fresnel<W> {
-    let q = W::ONE - cos_i;
-    let q_squared = q * q;
-    let rest = W::ONE - f0;
-    let series = (W::ONE + q).mul_add(W::ONE + q_squared, q_squared * q_squared);
-    Fresnel { reflectance: rest.mul_add(fifth_power(cos_i), f0), transmittance: rest * cos_i * series }.complemented()
+    let (rest, difference) = (W::ONE - f0, Twofold::sum(W::ONE, -cos_i));
+    let q = difference.high;
+    // 1+q+q²+q³+q⁴, and what its slope makes of the rounding of q.
+    let series = (q + W::ONE).mul_add(q, W::ONE).mul_add(q, W::ONE).mul_add(q, W::ONE);
+    let slope = W::from_f64(4.0).mul_add(q, W::from_f64(3.0)).mul_add(q, W::TWO).mul_add(q, W::ONE);
+    let series = if W::CARRIES { difference.low.mul_add(slope, series) } else { series };
+    Fresnel {
+        reflectance: rest.mul_add(fifth_power(cos_i), f0),
+        transmittance: (Twofold::product(rest, cos_i) * series).rounded(),
+    }
+    .complemented()
 }
 
 /// (1−c)⁵.
@@ -282,7 +288,8 @@ pub fn schlick_from_indices<R: Real>(cos_i: R, n_i: R, n_t: R) -> Fresnel<R> {
 
 #[inline(always)]
 fn schlick_from_indices_wide<W: Real>(cos_i: W, n_i: W, n_t: W) -> Fresnel<W> {
-    schlick(cos_i, ((n_t - n_i) / (n_t + n_i)).squared())
+    let ratio = Twofold::sum(n_t, -n_i) / Twofold::sum(n_t, n_i);
+    schlick_wide(cos_i, ratio.squared().rounded())
 }
 
 /// Lazányi's approximation for metals without its correction: Schlick's with a complex index.

@@ -225,7 +225,7 @@ fn from_denominator<R: Real>(cos_i: R, cos_o: R, denominator: R) -> Masking<R> {
     let inside = cos_i.gt(R::ZERO) & cos_o.gt(R::ZERO);
     let inverse = R::ONE / R::select(inside, denominator, R::ONE);
     Masking {
-        g: R::select(inside, (cos_i * cos_o * inverse).min(R::ONE), R::ZERO),
+        g: R::select(inside, (Twofold::product(cos_i, cos_o) * inverse).rounded().min(R::ONE), R::ZERO),
         visibility: R::select(inside, R::from_f64(0.25) * inverse, R::ZERO),
     }
 }

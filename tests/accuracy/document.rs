@@ -213,7 +213,7 @@ pub(crate) fn document(all: &[Measured]) -> String {
          result where that is larger. `lazanyi` counts what is below 1e-30 as that.\n\
          * The three terms of `oren_nayar`'s direct part, of size 1, cancel where it changes sign: ULP are at least those of 1/2.\n\
          * Powers: the exponent's error times the exponent. The logarithm of Blinn's and Phong's lobes is good to 2⁻²⁹, which an \
-         exponent of 87 makes 5 ULP; the angle of `gaussian` to 2⁻²⁶, squared, which makes 80.\n\n\
+         exponent of 87 makes 5 ULP; the angle of `gaussian` to 2⁻²⁶, squared, which makes 110.\n\n\
          The target of the stacks is a relative error of 1.5e-6, at least 12 ULP, for f > 1e-8; they are measured for two \
          layers.\n\n## Against 80 digits\n\nThe textbook form of each term in 80-digit arithmetic (`tests/accuracy/audit.py`, \
          mpmath) at f32 inputs: the largest error of f32 in its ULP, and of f64 in the ULP of f64, 2⁻²⁹ of the other. In f64 \

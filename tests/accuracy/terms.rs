@@ -249,7 +249,7 @@ pub(crate) fn terms() -> Vec<Term> {
         |p| { let a = alpha(p[3]); flat(&[half(a, p)], &[a, (1.0 / (PI * f64::from(a).powi(2))) as f32]) },
         |a| distribution::gaussian(vector(a), a[3], a[4]),
         naive |a| naive::gaussian(vector(a), a[3], a[4]),
-        past |a| (vector(a).sin_squared().sqrt().atan2(a[2]) / a[3]).powi(2), batch 100.0);
+        past |a| (vector(a).sin_squared().sqrt().atan2(a[2]) / a[3]).powi(2), batch 128.0);
 
     term!(t, masking::v_cavity ["G", "V"], "cos [1e-6, 1], h = wi + wo rounded",
         |p| flat(&pair(alpha(p[5]), p), &[]), |a| masking::v_cavity(a[2], a[5], vector(a) + vector(&a[3..])),
