@@ -169,8 +169,7 @@ impl Check for Parallel {
         for (parallel, serial) in outputs.iter().zip(&serial) {
             assert!(same_bits(parallel, serial), "{name}");
         }
-        let [short, ..] = &mut outputs else { return };
-        short.pop();
+        outputs[0].pop();
         let result = batch::par_map(&kernel, inputs, outputs.each_mut().map(Vec::as_mut_slice));
         assert_eq!(result, Err(LengthError { expected: count, found: count - 1, slice: I }), "{name}");
     }
@@ -213,7 +212,8 @@ fn every_level_keeps_the_limits() {
     let cosine = [column(1, count)];
     let unit = |seed: usize| {
         let (turn, cos) = (column(seed, count), column(seed + 5, count));
-        let direction = |i: usize| Vector::<f32>::from_angles(f64::from(cos[i]).acos(), 6.283 * f64::from(turn[i]));
+        let direction =
+            |i: usize| Vector::<f32>::from_angles(f64::from(cos[i]).acos(), std::f64::consts::TAU * f64::from(turn[i]));
         (0..count).map(direction).collect::<Vec<_>>()
     };
     let (first, second) = (unit(2), unit(9));

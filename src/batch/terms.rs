@@ -369,8 +369,8 @@ impl<const C: usize> Kernel<6, C> for TorranceSparrow<C> {
         if C > 3 {
             f[3] = channel(cosine, self.n[3], self.k[3]) * lobe;
         }
-        for i in 4..C {
-            f[i] = channel(cosine, self.n[i], self.k[i]) * lobe;
+        for (f, (n, k)) in f.iter_mut().zip(self.n.into_iter().zip(self.k)).skip(4) {
+            *f = channel(cosine, n, k) * lobe;
         }
         f
     }
