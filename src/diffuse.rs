@@ -5,11 +5,12 @@
 
 use crate::frame::Vector;
 use crate::real::Real;
+use crate::twofold::Twofold;
 
 /// Lambert's BRDF, ρ/π in sr⁻¹ for every pair of directions.
 ///
 /// Error in f32: ≤ 0.6 ULP. Source: Lambert 1760; Mihaylov 2013, eq. 4.2 (without the 1/π).
-#[inline]
+#[inline(always)]
 pub fn lambert<R: Real>(albedo: R) -> R {
     R::narrow(albedo.widen() * R::Wide::FRAC_1_PI)
 }
@@ -37,7 +38,7 @@ impl<R: Real> OrenNayar<R> {
     /// The BRDF L1 + L2 in sr⁻¹ for facets of this albedo, at least 0.
     ///
     /// L1 alone is negative for σ > .67 in places, the sum for a small albedo and σ > .75; there the model is clamped.
-    #[inline]
+    #[inline(always)]
     pub fn f(self, albedo: R) -> R {
         let (albedo, direct, interreflection) = (albedo.widen(), self.direct.widen(), self.interreflection.widen());
         R::narrow((albedo * R::Wide::FRAC_1_PI * (direct + albedo * interreflection)).max(R::Wide::ZERO))
@@ -59,7 +60,7 @@ impl<R: Real> OrenNayar<R> {
 ///
 /// Error in f32: ≤ 1 ULP; past 0.6 only where the terms of `direct` cancel. No trigonometry but two angles, by a polynomial.
 /// Source: Oren & Nayar 1994, eq. 27–29 of the technical report; Mihaylov 2013, eq. 4.15–4.23 (with errata 19–21).
-#[inline]
+#[inline(always)]
 pub fn oren_nayar<R: Real>(wi: Vector<R>, wo: Vector<R>, sigma: R) -> OrenNayar<R> {
     oren_nayar_wide::<_, R>(wi.widen(), wo.widen(), sigma.widen()).narrow()
 }
@@ -86,13 +87,13 @@ pub(crate) fn oren_nayar_wide<W: Real, R: Real<Wide = W>>(wi: Vector<W>, wo: Vec
     let beta_share = W::ONE - delta;
 
     // cosΔφ·sinα·sinβ, and cosΔφ where neither direction is the normal.
-    let across = wi.x * wo.x + wi.y * wo.y;
+    let across = (Twofold::product(wi.x, wo.x) + Twofold::product(wi.y, wo.y)).rounded();
     let product = sin_i * sin_o;
     let tilted = product.gt(W::ZERO);
     let product = W::select(tilted, product, W::ONE);
     let azimuth = (across / product).max(-W::ONE).min(W::ONE);
     // 1−|cosΔφ| as sin²Δφ/(1+|cosΔφ|): at grazing it meets a tangent that would magnify its cancellation.
-    let sine = (wi.x * wo.y - wi.y * wo.x) / product;
+    let sine = (Twofold::product(wi.x, wo.y) - Twofold::product(wi.y, wo.x)).rounded() / product;
     let sideways = W::select(tilted, sine * sine / (W::ONE + azimuth.abs()), W::ONE);
 
     let ratio = variance / (variance + W::from_f64(0.09));
@@ -107,9 +108,13 @@ pub(crate) fn oren_nayar_wide<W: Real, R: Real<Wide = W>>(wi: Vector<W>, wo: Vec
     let half_tangent = (sin_alpha + sin_beta) / (least + most);
     let c3 = W::from_f64(0.125) * ratio * angles * angles * sideways * half_tangent;
     let second = W::from_f64(0.17) * variance / (variance + W::from_f64(0.13));
+    // 1 − cosΔφ·(1−δ)², and for cosΔφ > 0, where that cancels at grazing, (1−cosΔφ) + cosΔφ·δ(2−δ).
+    let opposed = W::ONE - azimuth * beta_share * beta_share;
+    let aligned = sideways + azimuth * delta * (W::TWO - delta);
+    let bounced = W::select(azimuth.gt(W::ZERO), aligned, opposed);
     OrenNayar {
         direct: W::select(lit, c1 + c2 + c3, W::ZERO),
-        interreflection: W::select(lit, second * (W::ONE - azimuth * beta_share * beta_share), W::ZERO),
+        interreflection: W::select(lit, second * bounced, W::ZERO),
     }
 }
 
@@ -122,7 +127,7 @@ pub(crate) fn oren_nayar_wide<W: Real, R: Real<Wide = W>>(wi: Vector<W>, wo: Vec
 ///
 /// Gains energy at grazing for small σ (1.015 at σ = .2, 89.99°). Error in f32: ≤ 0.6 ULP.
 /// Source: Oren & Nayar 1994, eq. 30 and the footnote to it.
-#[inline]
+#[inline(always)]
 pub fn oren_nayar_qualitative<R: Real>(wi: Vector<R>, wo: Vector<R>, sigma: R, albedo: R) -> R {
     R::narrow(oren_nayar_qualitative_wide(wi.widen(), wo.widen(), sigma.widen(), albedo.widen()))
 }
@@ -132,7 +137,7 @@ fn oren_nayar_qualitative_wide<W: Real>(wi: Vector<W>, wo: Vector<W>, sigma: W, 
     let variance = sigma * sigma;
     let lit = wi.z.gt(W::ZERO) & wo.z.gt(W::ZERO);
     let most = W::select(lit, wi.z.max(wo.z), W::ONE);
-    let across = (wi.x * wo.x + wi.y * wo.y).max(W::ZERO);
+    let across = (Twofold::product(wi.x, wo.x) + Twofold::product(wi.y, wo.y)).rounded().max(W::ZERO);
     let a = W::ONE - W::HALF * variance / (variance + W::from_f64(0.57));
     let b = W::from_f64(0.45) * variance / (variance + W::from_f64(0.09));
     W::select(lit, albedo * W::FRAC_1_PI * (a + b * across / most), W::ZERO)

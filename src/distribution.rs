@@ -7,6 +7,7 @@
 
 use crate::frame::Vector;
 use crate::real::Real;
+use crate::twofold::Twofold;
 
 /// Beckmann's distribution.
 ///
@@ -17,19 +18,25 @@ use crate::real::Real;
 ///
 /// Error in f32: ≤ 0.6 ULP, the exponent included.
 /// Source: Beckmann & Spizzichino 1963; Mihaylov 2013, eq. 4.12; Elek 2010, App. B (which lacks 1/π).
-#[inline]
+#[inline(always)]
 pub fn beckmann<R: Real>(h: Vector<R>, alpha: R) -> R {
     R::narrow(beckmann_wide::<_, R>(h.widen(), alpha.widen()))
 }
 
 #[inline(always)]
 pub(crate) fn beckmann_wide<W: Real, R: Real<Wide = W>>(h: Vector<W>, alpha: W) -> W {
-    let (inside, z) = upper(h);
-    let tan_squared = h.sin_squared() / (z * z);
-    let alpha_squared = alpha * alpha;
+    beckmann_carried::<_, R>(h.carried(), alpha)
+}
+
+/// [`beckmann`] at an unrounded half vector.
+#[inline(always)]
+pub(crate) fn beckmann_carried<W: Real, R: Real<Wide = W>>(h: Vector<Twofold<W>>, alpha: W) -> W {
+    let (inside, z) = upper_carried(h);
+    let tan_squared = h.sin_squared_carried() / z.squared();
+    let alpha_squared = Twofold::square(alpha);
     let exponent = tan_squared / alpha_squared;
-    let inside = inside & exponent.le(R::EXP_LIMIT.widen());
-    let value = (W::ONE + tan_squared).squared() * (-exponent).exp() / (W::PI * alpha_squared);
+    let inside = inside & exponent.high.le(R::EXP_LIMIT.widen());
+    let value = (W::ONE + tan_squared.high).squared() * exponent.exp_negative() / (W::PI * alpha_squared.high);
     W::select(inside, value, W::ZERO)
 }
 
@@ -40,7 +47,7 @@ pub(crate) fn beckmann_wide<W: Real, R: Real<Wide = W>>(h: Vector<W>, alpha: W) 
 /// In plain text: D = exp(−((hx/αx)² + (hy/αy)²)/hz²)/(π αx αy cos⁴θ). At αx = αy: [`beckmann`].
 ///
 /// Error in f32: ≤ 0.6 ULP. Source: Heitz 2014, eq. 75.
-#[inline]
+#[inline(always)]
 pub fn beckmann_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R {
     R::narrow(beckmann_anisotropic_wide::<_, R>(h.widen(), alpha_x.widen(), alpha_y.widen()))
 }
@@ -48,11 +55,12 @@ pub fn beckmann_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R 
 #[inline(always)]
 fn beckmann_anisotropic_wide<W: Real, R: Real<Wide = W>>(h: Vector<W>, alpha_x: W, alpha_y: W) -> W {
     let (inside, z) = upper(h);
-    let (x, y) = (h.x / (z * alpha_x), h.y / (z * alpha_y));
-    let exponent = x * x + y * y;
-    let inside = inside & exponent.le(R::EXP_LIMIT.widen());
+    let x = Twofold::new(h.x) / Twofold::product(z, alpha_x);
+    let y = Twofold::new(h.y) / Twofold::product(z, alpha_y);
+    let exponent = x.squared() + y.squared();
+    let inside = inside & exponent.high.le(R::EXP_LIMIT.widen());
     let inverse_cos_squared = W::ONE + h.sin_squared() / (z * z);
-    let value = inverse_cos_squared.squared() * (-exponent).exp() / (W::PI * alpha_x * alpha_y);
+    let value = inverse_cos_squared.squared() * exponent.exp_negative() / (W::PI * alpha_x * alpha_y);
     W::select(inside, value, W::ZERO)
 }
 
@@ -63,7 +71,7 @@ fn beckmann_anisotropic_wide<W: Real, R: Real<Wide = W>>(h: Vector<W>, alpha_x: 
 /// In plain text: D = α²/(π(sin²θ+α²cos²θ)²). At θ = 0: 1/(πα²).
 ///
 /// Error in f32: ≤ 0.6 ULP. Source: Trowbridge & Reitz 1975; Walter et al. 2007, eq. 33.
-#[inline]
+#[inline(always)]
 pub fn ggx<R: Real>(h: Vector<R>, alpha: R) -> R {
     R::narrow(ggx_wide(h.widen(), alpha.widen()))
 }
@@ -71,9 +79,9 @@ pub fn ggx<R: Real>(h: Vector<R>, alpha: R) -> R {
 #[inline(always)]
 fn ggx_wide<W: Real>(h: Vector<W>, alpha: W) -> W {
     let (inside, z) = upper(h);
-    let (s, z_squared) = (h.sin_squared(), z * z);
-    let ratio = alpha * (s + z_squared) / (s + alpha * alpha * z_squared);
-    W::select(inside, ratio * ratio * W::FRAC_1_PI, W::ZERO)
+    let (s, z_squared) = (h.carried().sin_squared_carried(), Twofold::square(z));
+    let ratio = (s + z_squared) * alpha / (s + Twofold::square(alpha) * z_squared);
+    W::select(inside, (ratio.squared() * W::FRAC_1_PI).rounded(), W::ZERO)
 }
 
 /// GGX with a width for each axis.
@@ -83,7 +91,7 @@ fn ggx_wide<W: Real>(h: Vector<W>, alpha: W) -> W {
 /// In plain text: D = |h|⁴/(π αx αy ((hx/αx)²+(hy/αy)²+hz²)²). At αx = αy: [`ggx`].
 ///
 /// Error in f32: ≤ 0.6 ULP. Source: Burley 2012, App. B.2, eq. 13; Heitz 2014, eq. 85.
-#[inline]
+#[inline(always)]
 pub fn ggx_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R {
     R::narrow(ggx_anisotropic_wide(h.widen(), alpha_x.widen(), alpha_y.widen()))
 }
@@ -91,9 +99,10 @@ pub fn ggx_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R {
 #[inline(always)]
 fn ggx_anisotropic_wide<W: Real>(h: Vector<W>, alpha_x: W, alpha_y: W) -> W {
     let (inside, z) = upper(h);
-    let (x, y) = (h.x / alpha_x, h.y / alpha_y);
-    let ratio = (h.sin_squared() + z * z) / (x * x + y * y + z * z);
-    W::select(inside, ratio * ratio / (W::PI * alpha_x * alpha_y), W::ZERO)
+    let (x, y) = (Twofold::new(h.x) / alpha_x, Twofold::new(h.y) / alpha_y);
+    let (s, z_squared) = (h.carried().sin_squared_carried(), Twofold::square(z));
+    let ratio = (s + z_squared) / (x.squared() + y.squared() + z_squared);
+    W::select(inside, ratio.squared().rounded() / (W::PI * alpha_x * alpha_y), W::ZERO)
 }
 
 /// Blinn's distribution, with the exponent that matches Beckmann's width.
@@ -104,7 +113,7 @@ fn ggx_anisotropic_wide<W: Real>(h: Vector<W>, alpha_x: W, alpha_y: W) -> W {
 ///
 /// The power is exp(−(1/α²−1)·ln(1+tan²θ)), so that it stays accurate for exponents of 10⁸.
 /// Error in f32: ≤ 0.6 ULP. Source: Blinn 1977; Walter et al. 2007, eq. 30 with α_p = 2/α²−2; Elek 2010, §2.1.
-#[inline]
+#[inline(always)]
 pub fn blinn<R: Real>(h: Vector<R>, alpha: R) -> R {
     R::narrow(blinn_wide::<_, R>(h.widen(), alpha.widen()))
 }
@@ -112,11 +121,12 @@ pub fn blinn<R: Real>(h: Vector<R>, alpha: R) -> R {
 #[inline(always)]
 fn blinn_wide<W: Real, R: Real<Wide = W>>(h: Vector<W>, alpha: W) -> W {
     let (inside, z) = upper(h);
-    let alpha_squared = alpha * alpha;
-    let half_exponent = (W::ONE - alpha) * (W::ONE + alpha) / alpha_squared;
-    let exponent = half_exponent * (h.sin_squared() / (z * z)).ln_one_plus();
-    let inside = inside & exponent.le(R::EXP_LIMIT.widen());
-    W::select(inside, (-exponent).exp() / (W::PI * alpha_squared), W::ZERO)
+    let alpha_squared = Twofold::square(alpha);
+    let half_exponent = Twofold::sum(W::ONE, -alpha) * Twofold::sum(W::ONE, alpha) / alpha_squared;
+    let tan_squared = h.carried().sin_squared_carried() / Twofold::square(z);
+    let exponent = half_exponent * tan_squared.ln_one_plus();
+    let inside = inside & exponent.high.le(R::EXP_LIMIT.widen());
+    W::select(inside, exponent.exp_negative() / (W::PI * alpha_squared.high), W::ZERO)
 }
 
 /// Blinn's distribution with a width for each axis.
@@ -126,7 +136,7 @@ fn blinn_wide<W: Real, R: Real<Wide = W>>(h: Vector<W>, alpha: W) -> W {
 /// In plain text: cos(θ)^e/(π αx αy), the exponent interpolated over the azimuth. At αx = αy: [`blinn`].
 ///
 /// Error in f32: ≤ 0.6 ULP. Source: Ashikhmin & Shirley 2000, eq. 6, without their 1/4 terms.
-#[inline]
+#[inline(always)]
 pub fn blinn_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R {
     R::narrow(blinn_anisotropic_wide::<_, R>(h.widen(), alpha_x.widen(), alpha_y.widen()))
 }
@@ -134,14 +144,17 @@ pub fn blinn_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R {
 #[inline(always)]
 fn blinn_anisotropic_wide<W: Real, R: Real<Wide = W>>(h: Vector<W>, alpha_x: W, alpha_y: W) -> W {
     let (inside, z) = upper(h);
-    let s = h.sin_squared();
-    let across = W::select(s.gt(W::ZERO), s, W::ONE);
-    let (x, y) = (h.x / alpha_x, h.y / alpha_y);
+    let s = h.carried().sin_squared_carried();
+    let tilted = s.high.gt(W::ZERO);
+    let one = Twofold::new(W::ONE);
+    let across = Twofold::select(tilted, s, one);
+    let (x, y) = (Twofold::new(h.x) / alpha_x, Twofold::new(h.y) / alpha_y);
     // ln(1+t²)·(half the exponent); the azimuthal mean of 1/α² is (x²+y²)/s.
-    let half_exponent = (W::select(s.gt(W::ZERO), (x * x + y * y) / across, W::ONE) - W::ONE).max(W::ZERO);
-    let exponent = half_exponent * (s / (z * z)).ln_one_plus();
-    let inside = inside & exponent.le(R::EXP_LIMIT.widen());
-    W::select(inside, (-exponent).exp() / (W::PI * alpha_x * alpha_y), W::ZERO)
+    let half_exponent = Twofold::select(tilted, (x.squared() + y.squared()) / across, one) - one;
+    let half_exponent = Twofold::select(half_exponent.high.gt(W::ZERO), half_exponent, Twofold::new(W::ZERO));
+    let exponent = half_exponent * (s / Twofold::square(z)).ln_one_plus();
+    let inside = inside & exponent.high.le(R::EXP_LIMIT.widen());
+    W::select(inside, exponent.exp_negative() / (W::PI * alpha_x * alpha_y), W::ZERO)
 }
 
 /// The Gaussian distribution in the angle.
@@ -152,7 +165,7 @@ fn blinn_anisotropic_wide<W: Real, R: Real<Wide = W>>(h: Vector<W>, alpha_x: W, 
 /// [`gaussian_normalisation`], a constant of the material.
 ///
 /// Error in f32: ≤ 0.6 ULP. Source: Torrance & Sparrow 1967, eq. 5; Elek 2010, §2.1 (with c unstated).
-#[inline]
+#[inline(always)]
 pub fn gaussian<R: Real>(h: Vector<R>, alpha: R, normalisation: R) -> R {
     R::narrow(gaussian_wide::<_, R>(h.widen(), alpha.widen(), normalisation.widen()))
 }
@@ -160,10 +173,10 @@ pub fn gaussian<R: Real>(h: Vector<R>, alpha: R, normalisation: R) -> R {
 #[inline(always)]
 fn gaussian_wide<W: Real, R: Real<Wide = W>>(h: Vector<W>, alpha: W, normalisation: W) -> W {
     let (inside, z) = upper(h);
-    let angle = R::angle_wide(h.sin_squared().sqrt(), z) / alpha;
-    let exponent = angle * angle;
-    let inside = inside & exponent.le(R::EXP_LIMIT.widen());
-    W::select(inside, normalisation * (-exponent).exp(), W::ZERO)
+    let angle = h.carried().sin_squared_carried().sqrt().angle::<R>(z) / alpha;
+    let exponent = angle.squared();
+    let inside = inside & exponent.high.le(R::EXP_LIMIT.widen());
+    W::select(inside, normalisation * exponent.exp_negative(), W::ZERO)
 }
 
 /// The constant c(α) of [`gaussian`], 1/∫ exp(−(θ/α)²)·cosθ dω.
@@ -209,4 +222,11 @@ const GAUSS_LEGENDRE: [(f64, f64); 5] = [
 fn upper<R: Real>(h: Vector<R>) -> (R::Mask, R) {
     let inside = h.z.gt(R::ZERO);
     (inside, R::select(inside, h.z, R::ONE))
+}
+
+/// [`upper`] of an unrounded vector.
+#[inline(always)]
+fn upper_carried<R: Real>(h: Vector<Twofold<R>>) -> (R::Mask, Twofold<R>) {
+    let inside = h.z.high.gt(R::ZERO);
+    (inside, Twofold::select(inside, h.z, Twofold::new(R::ONE)))
 }

@@ -5,6 +5,7 @@
 
 pub use crate::fresnel_fit::{Fit, FitError};
 use crate::real::Real;
+use crate::twofold::Twofold;
 
 /// The split of arriving power at an interface. The two parts sum to 1; each is computed directly, since 1−R loses
 /// every digit of a small transmittance.
@@ -18,6 +19,19 @@ pub struct Fresnel<R> {
 }
 
 impl<W: Real> Fresnel<W> {
+    /// The larger part as what the smaller leaves of 1, where the numbers are as short as the result: it errs less.
+    #[inline(always)]
+    fn complemented(self) -> Self {
+        if !W::CARRIES {
+            return self;
+        }
+        let Fresnel { reflectance, transmittance } = self;
+        Fresnel {
+            reflectance: W::select(transmittance.lt(W::HALF), W::ONE - transmittance, reflectance),
+            transmittance: W::select(reflectance.lt(W::HALF), W::ONE - reflectance, transmittance),
+        }
+    }
+
     /// The nearest numbers of a type that computes in `W`.
     #[inline(always)]
     pub(crate) fn narrow<R: Real<Wide = W>>(self) -> Fresnel<R> {
@@ -37,7 +51,7 @@ impl<W: Real> Fresnel<W> {
 ///
 /// Error in f32: ≤ 0.6 ULP for η in [1/4, 4], cos in [1e-6, 1], the critical angle
 /// included: g² is summed without rounding error. Source: Cook & Torrance 1982, eq. 18; Born & Wolf, §1.5.2, eq. 21.
-#[inline]
+#[inline(always)]
 pub fn dielectric<R: Real>(cos_i: R, eta: R) -> Fresnel<R> {
     dielectric_wide::<_, R>(cos_i.widen(), eta.widen()).narrow()
 }
@@ -46,15 +60,18 @@ pub fn dielectric<R: Real>(cos_i: R, eta: R) -> Fresnel<R> {
 #[inline(always)]
 pub(crate) fn dielectric_wide<W: Real, R: Real<Wide = W>>(cos_i: W, eta: W) -> Fresnel<W> {
     let c = cos_i;
-    let g_squared = refracted_square_wide::<_, R>(c, eta);
-    let total = g_squared.lt(W::ZERO);
-    let g = g_squared.max(W::ZERO).sqrt();
+    let g_squared = refracted_square_carried::<_, R>(Twofold::new(c), eta);
+    let total = g_squared.high.lt(W::ZERO);
+    let root = g_squared.sqrt();
+    let g = root.high;
     // The differences c−g and η²c−g are written as quotients that do not cancel: (c−g)(c+g) = 1−η².
-    let e1 = (eta - W::ONE) * (eta + W::ONE);
-    let eta_squared = eta * eta;
-    let matched = (c + g).le(W::ZERO);
-    let sum_s = W::select(matched, W::ONE, (c + g).squared());
-    let sum_p = W::select(matched, W::ONE, (eta_squared * c + g).squared());
+    let e1 = (Twofold::sum(eta, -W::ONE) * Twofold::sum(eta, W::ONE)).rounded();
+    let exact_square = Twofold::square(eta);
+    let eta_squared = exact_square.high;
+    let (sum, weighted) = (Twofold::new(c) + root, exact_square * c + root);
+    let matched = sum.high.le(W::ZERO);
+    let sum_s = W::select(matched, W::ONE, sum.squared().rounded());
+    let sum_p = W::select(matched, W::ONE, weighted.squared().rounded());
     let rs = e1 / sum_s;
     // (η²c−g)(η²c+g), which vanishes at Brewster's angle: for small η that is close to the critical angle, where sum_p
     // is small, while F is far from 0 and the difference itself exact enough.
@@ -66,12 +83,13 @@ pub(crate) fn dielectric_wide<W: Real, R: Real<Wide = W>>(cos_i: W, eta: W) -> F
         reflectance: W::select(total, W::ONE, W::HALF * (rs * rs + rp * rp)),
         transmittance: W::select(total, W::ZERO, W::select(matched, W::ONE, transmittance)),
     }
+    .complemented()
 }
 
 /// g² = c² + η² − 1, η² times the squared cosine of the refracted ray; negative on total reflection.
 ///
 /// Summed from exact products, so that it keeps its relative accuracy down to the critical angle. Error in f32: ≤ 0.6 ULP where it is positive.
-#[inline]
+#[inline(always)]
 pub fn refracted_square<R: Real>(cos_i: R, eta: R) -> R {
     R::narrow(refracted_square_wide::<_, R>(cos_i.widen(), eta.widen()))
 }
@@ -79,12 +97,28 @@ pub fn refracted_square<R: Real>(cos_i: R, eta: R) -> R {
 /// [`refracted_square`] in the numbers that it computes with.
 #[inline(always)]
 pub(crate) fn refracted_square_wide<W: Real, R: Real<Wide = W>>(cos_i: W, eta: W) -> W {
+    refracted_square_carried::<_, R>(Twofold::new(cos_i), eta).rounded()
+}
+
+/// [`refracted_square`] of an unrounded cosine, unrounded where the type carries.
+#[inline(always)]
+pub(crate) fn refracted_square_carried<W: Real, R: Real<Wide = W>>(cos_i: Twofold<W>, eta: W) -> Twofold<W> {
+    if W::CARRIES {
+        let (c, e) = (cos_i.squared(), Twofold::square(eta));
+        // The errors of the products first: what is left of a sum that cancels is of their size.
+        let (fine, finer) = c.low.sum_exact(e.low);
+        let larger = Twofold::sum(c.high.max(e.high), -W::ONE);
+        let sum = Twofold::sum(larger.high, c.high.min(e.high));
+        let total = Twofold::sum(sum.high, fine);
+        return Twofold::sum(total.high, total.low + (finer + (larger.low + sum.low)));
+    }
+    let cos_i = cos_i.high;
     let (c, c_error) = R::product_wide(cos_i, cos_i);
     let (e, e_error) = R::product_wide(eta, eta);
     // Where the sum cancels, the larger square is in [1/2, 1]: both differences are exact there (Sterbenz).
     let sum = (c.max(e) - W::ONE) + c.min(e);
     let (fine, finer) = c_error.sum_exact(e_error);
-    (sum + fine) + finer
+    Twofold::new((sum + fine) + finer)
 }
 
 /// The exact Fresnel equations of a conductor with the relative index n + iκ; κ = 0 is a dielectric.
@@ -100,7 +134,7 @@ pub(crate) fn refracted_square_wide<W: Real, R: Real<Wide = W>>(cos_i: W, eta: W
 /// Error in f32: ≤ 0.6 ULP for n in [0.02, 8], κ in [0, 12], cos in [1e-6, 1], the critical angle of κ ≈ 0, n < 1 included.
 /// Source: Born & Wolf, §14.2, eq. 15–18; Elek 2010, §2.1 (which prints an approximation); the roots are chosen so that
 /// none cancels.
-#[inline]
+#[inline(always)]
 pub fn conductor<R: Real>(cos_i: R, n: R, k: R) -> Fresnel<R> {
     conductor_wide::<_, R>(cos_i.widen(), n.widen(), k.widen()).narrow()
 }
@@ -108,38 +142,52 @@ pub fn conductor<R: Real>(cos_i: R, n: R, k: R) -> Fresnel<R> {
 /// [`conductor`] in the numbers that it computes with.
 #[inline(always)]
 pub(crate) fn conductor_wide<W: Real, R: Real<Wide = W>>(cos_i: W, n: W, k: W) -> Fresnel<W> {
-    let c = cos_i;
-    let e1 = (n - W::ONE) * (n + W::ONE) - k * k;
+    conductor_carried::<_, R>(Twofold::new(cos_i), n, k)
+}
+
+/// [`conductor`] at an unrounded cosine: at a critical angle the root magnifies its rounding.
+#[inline(always)]
+pub(crate) fn conductor_carried<W: Real, R: Real<Wide = W>>(cos_i: Twofold<W>, n: W, k: W) -> Fresnel<W> {
+    let c = cos_i.high;
+    let one = Twofold::new(W::ONE);
+    let k_squared = Twofold::square(k);
+    let e1 = Twofold::sum(n, -W::ONE) * Twofold::sum(n, W::ONE) - k_squared;
     // e1+c², which vanishes at the critical angle of κ ≈ 0.
-    let real = refracted_square_wide::<_, R>(c, n) - k * k;
-    let nk = n * k;
-    let modulus = (real * real + W::from_f64(4.0) * nk * nk).sqrt();
-    let larger = (W::HALF * (modulus + real.abs())).sqrt();
-    let smaller = nk / W::select(larger.gt(W::ZERO), larger, W::ONE);
+    let real = refracted_square_carried::<_, R>(cos_i, n) - k_squared;
+    let nk = Twofold::product(n, k);
+    let modulus = (real.squared() + nk.squared() * W::from_f64(4.0)).rounded().sqrt();
+    let real = real.rounded();
+    let root = (Twofold::sum(modulus, real.abs()) * W::HALF).sqrt();
+    let larger = root.high;
+    let smaller = nk.high / W::select(larger.gt(W::ZERO), larger, W::ONE);
     let above = real.ge(W::ZERO);
-    let a = W::select(above, larger, smaller);
+    let carried = Twofold::select(above, root, Twofold::new(smaller));
+    let a = carried.high;
     let b = W::select(above, smaller, larger);
     let b_squared = b * b;
 
-    let sum = (a + c).squared() + b_squared;
+    let a_plus_c = carried + Twofold::new(c);
+    let sum = (a_plus_c.squared() + Twofold::new(b_squared)).rounded();
     let matched = sum.le(W::ZERO);
     let sum = W::select(matched, W::ONE, sum);
     // a−c without cancellation: (a−c)(a+c) = e1+b². Where b ≥ a the quotient would magnify the rounding of b² at small
     // a+c, and b² drowns what a−c loses.
-    let quotient = (e1 + b_squared) / W::select(above & !matched, a + c, W::ONE);
-    let difference = W::select(above, quotient, a - c);
-    let s_squared = (W::ONE - c) * (W::ONE + c);
+    let quotient = (e1 + Twofold::new(b_squared)) / Twofold::select(above & !matched, a_plus_c, one);
+    let difference = W::select(above, quotient.rounded(), a - c);
+    let s_squared = ((one - cos_i) * (one + cos_i)).rounded();
     let ac = a * c;
     let bc_squared = b_squared * c * c;
-    let sum_q = (ac + s_squared).squared() + bc_squared;
-    let fs = (difference * difference + b_squared) / sum;
-    let fq = ((ac - s_squared).squared() + bc_squared) / sum_q;
+    let (minus, plus) = (a.mul_add(c, -s_squared), a.mul_add(c, s_squared));
+    let sum_q = plus.mul_add(plus, bc_squared);
+    let fs = difference.mul_add(difference, b_squared) / sum;
+    let fq = minus.mul_add(minus, bc_squared) / sum_q;
     let ts = W::from_f64(4.0) * ac / sum;
     let tq = W::from_f64(4.0) * ac * s_squared / sum_q;
     Fresnel {
         reflectance: W::HALF * fs * (W::ONE + fq),
         transmittance: W::select(matched, W::ONE, ts + W::HALF * tq * (W::ONE - ts)),
     }
+    .complemented()
 }
 
 /// The reflectance of a conductor for |n+iκ|² ≫ 1, the approximation that Mihaylov prints.
@@ -152,7 +200,7 @@ pub(crate) fn conductor_wide<W: Real, R: Real<Wide = W>>(cos_i: W, n: W, k: W) -
 ///
 /// Differs from [`conductor`] by up to .099 at n = 1.5, κ = 0 and by ≤ .008 for κ ≥ 2. Error in f32: ≤ 0.6 ULP.
 /// Source: Mihaylov 2013, eq. 3.6 and 4.6 (its listing drops a factor: erratum 15).
-#[inline]
+#[inline(always)]
 pub fn conductor_approx<R: Real>(cos_i: R, n: R, k: R) -> R {
     R::narrow(conductor_approx_wide(cos_i.widen(), n.widen(), k.widen()))
 }
@@ -176,7 +224,7 @@ fn conductor_approx_wide<W: Real>(cos_i: W, n: W, k: W) -> W {
 /// In plain text: F0 = ((n−1)²+κ²)/((n+1)²+κ²). `n` > 0, `k` ≥ 0; 0 at n = 1, κ = 0.
 ///
 /// Error in f32: ≤ 0.6 ULP. Source: Elek 2010, App. B; Born & Wolf, §14.2.
-#[inline]
+#[inline(always)]
 pub fn normal_incidence<R: Real>(n: R, k: R) -> R {
     R::narrow(normal_incidence_wide(n.widen(), k.widen()))
 }
@@ -197,20 +245,35 @@ fn normal_incidence_wide<W: Real>(n: W, k: W) -> W {
 ///
 /// Error in f32: ≤ 0.6 ULP of the formula; against the exact dielectric at n = 1.5 up to .036.
 /// Source: Schlick 1994, eq. 15.
-#[inline]
+#[inline(always)]
 pub fn schlick<R: Real>(cos_i: R, f0: R) -> Fresnel<R> {
     schlick_wide(cos_i.widen(), f0.widen()).narrow()
 }
 
 #[inline(always)]
 fn schlick_wide<W: Real>(cos_i: W, f0: W) -> Fresnel<W> {
-    let q = W::ONE - cos_i;
-    let q_squared = q * q;
-    let rest = W::ONE - f0;
+    let (rest, difference) = (W::ONE - f0, Twofold::sum(W::ONE, -cos_i));
+    let q = difference.high;
+    // 1+q+q²+q³+q⁴, and what its slope makes of the rounding of q.
+    let series = (q + W::ONE).mul_add(q, W::ONE).mul_add(q, W::ONE).mul_add(q, W::ONE);
+    let slope = W::from_f64(4.0).mul_add(q, W::from_f64(3.0)).mul_add(q, W::TWO).mul_add(q, W::ONE);
+    let series = if W::CARRIES { difference.low.mul_add(slope, series) } else { series };
     Fresnel {
-        reflectance: f0 + rest * (q_squared * q_squared * q),
-        transmittance: rest * cos_i * ((W::ONE + q) * (W::ONE + q_squared) + q_squared * q_squared),
+        reflectance: rest.mul_add(fifth_power(cos_i), f0),
+        transmittance: (Twofold::product(rest, cos_i) * series).rounded(),
     }
+    .complemented()
+}
+
+/// (1−c)⁵.
+#[inline(always)]
+fn fifth_power<W: Real>(cos_i: W) -> W {
+    let q = Twofold::sum(W::ONE, -cos_i);
+    let q_squared = q.high * q.high;
+    let fourth = q_squared * q_squared;
+    // The power magnifies the rounding of the difference five times.
+    let value = fourth * q.high;
+    if W::CARRIES { (W::from_f64(5.0) * q.low).mul_add(fourth, value) } else { value }
 }
 
 /// Schlick's approximation from the two indices of a dielectric interface.
@@ -218,14 +281,15 @@ fn schlick_wide<W: Real>(cos_i: W, f0: W) -> Fresnel<W> {
 /// F0 = ((n_t−n_i)/(n_t+n_i))², then [`schlick`]. `cos_i` in [0, 1]; `n_i`, `n_t` > 0. It knows no total reflection.
 ///
 /// Error in f32: ≤ 0.6 ULP. Source: Mihaylov 2013, eq. 4.9; Schlick 1994, eq. 15.
-#[inline]
+#[inline(always)]
 pub fn schlick_from_indices<R: Real>(cos_i: R, n_i: R, n_t: R) -> Fresnel<R> {
     schlick_from_indices_wide(cos_i.widen(), n_i.widen(), n_t.widen()).narrow()
 }
 
 #[inline(always)]
 fn schlick_from_indices_wide<W: Real>(cos_i: W, n_i: W, n_t: W) -> Fresnel<W> {
-    schlick(cos_i, ((n_t - n_i) / (n_t + n_i)).squared())
+    let ratio = Twofold::sum(n_t, -n_i) / Twofold::sum(n_t, n_i);
+    schlick_wide(cos_i, ratio.squared().rounded())
 }
 
 /// Lazányi's approximation for metals without its correction: Schlick's with a complex index.
@@ -236,17 +300,15 @@ fn schlick_from_indices_wide<W: Real>(cos_i: W, n_i: W, n_t: W) -> Fresnel<W> {
 ///
 /// Error in f32: ≤ 0.6 ULP of the formula; against [`conductor`] up to .041 for copper and .243 for chromium at 84°.
 /// Source: Lazányi & Szirmay-Kalos 2005, eq. 5; Elek 2010, App. B, which prints the fourth power.
-#[inline]
+#[inline(always)]
 pub fn lazanyi_uncorrected<R: Real>(cos_i: R, n: R, k: R) -> R {
     R::narrow(lazanyi_uncorrected_wide(cos_i.widen(), n.widen(), k.widen()))
 }
 
 #[inline(always)]
 fn lazanyi_uncorrected_wide<W: Real>(cos_i: W, n: W, k: W) -> W {
-    let q = W::ONE - cos_i;
-    let q_squared = q * q;
     let k_squared = k * k;
-    ((n - W::ONE).squared() + W::from_f64(4.0) * n * (q_squared * q_squared * q) + k_squared)
+    ((n - W::ONE).squared() + W::from_f64(4.0) * n * fifth_power(cos_i) + k_squared)
         / ((n + W::ONE).squared() + k_squared)
 }
 
@@ -260,7 +322,7 @@ fn lazanyi_uncorrected_wide<W: Real>(cos_i: W, n: W, k: W) -> W {
 ///
 /// Error in f32: ≤ 0.6 ULP of the formula; against [`conductor`] ≤ .0195 for the fitted seed metals.
 /// Source: Lazányi & Szirmay-Kalos 2005, eq. 6.
-#[inline]
+#[inline(always)]
 pub fn lazanyi<R: Real>(cos_i: R, n: R, k: R, a: R, exponent: R) -> R {
     R::narrow(lazanyi_wide(cos_i.widen(), n.widen(), k.widen(), a.widen(), exponent.widen()))
 }
@@ -268,8 +330,8 @@ pub fn lazanyi<R: Real>(cos_i: R, n: R, k: R, a: R, exponent: R) -> R {
 #[inline(always)]
 fn lazanyi_wide<W: Real>(cos_i: W, n: W, k: W, a: W, exponent: W) -> W {
     let inside = cos_i.lt(W::ONE);
-    let log = W::select(inside, -cos_i, W::ZERO).ln_one_plus();
-    let power = W::select(inside, (exponent * log).exp(), W::ZERO);
+    let log = Twofold::new(W::select(inside, -cos_i, W::ZERO)).ln_one_plus();
+    let power = W::select(inside, (-log * exponent).exp_negative(), W::ZERO);
     (lazanyi_uncorrected(cos_i, n, k) - a * cos_i * power).max(W::ZERO)
 }
 
@@ -354,7 +416,7 @@ pub(crate) fn golden_section(low: f64, high: f64, steps: usize, f: impl Fn(f64) 
 ///
 /// Error in f32: ≤ 0.6 ULP. Source: Kutz, Hašan & Edmondson 2021, "Novel aspects of the Adobe Standard
 /// Material", §2.3; OpenPBR 1.1, "Metal".
-#[inline]
+#[inline(always)]
 pub fn f82_tint<R: Real>(cos_i: R, f0: R, tint: R) -> R {
     R::narrow(f82_tint_wide(cos_i.widen(), f0.widen(), tint.widen()))
 }
@@ -365,9 +427,9 @@ fn f82_tint_wide<W: Real>(cos_i: W, f0: W, tint: W) -> W {
     let at_peak = W::from_f64(823_543.0 / 46_656.0);
     let fifth = W::from_f64(7_776.0 / 16_807.0);
     let q = W::ONE - cos_i;
-    let q_squared = q * q;
+    let fifth_of_q = fifth_power(cos_i);
     let schlick_bar = f0 + (W::ONE - f0) * fifth;
     let dip = schlick_bar * (W::ONE - tint) * at_peak;
-    let base = f0 + (W::ONE - f0) * (q_squared * q_squared * q);
-    (base - dip * cos_i * (q_squared * q_squared * q_squared)).max(W::ZERO)
+    let base = f0 + (W::ONE - f0) * fifth_of_q;
+    (base - dip * cos_i * (fifth_of_q * q)).max(W::ZERO)
 }

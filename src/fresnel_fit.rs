@@ -129,20 +129,20 @@ impl<const C: usize, const N: usize> Fit<C, N> {
     /// The split of arriving power in each channel.
     ///
     /// `cos_i` in [0, 1]: cosine of the angle of incidence. F, T in [0, 1] for any number.
-    #[inline]
+    #[inline(always)]
     pub fn evaluate<R: Real>(&self, cos_i: R) -> [Fresnel<R>; C] {
         let split = |transmittance| Fresnel { reflectance: R::Wide::ONE - transmittance, transmittance };
         self.transmittance_wide(cos_i.widen()).map(|t| split(t).narrow())
     }
 
     /// The reflected fraction in each channel; `cos_i` in [0, 1].
-    #[inline]
+    #[inline(always)]
     pub fn reflectance<R: Real>(&self, cos_i: R) -> [R; C] {
         self.transmittance_wide(cos_i.widen()).map(|t| R::narrow(R::Wide::ONE - t))
     }
 
     /// The transmitted fraction in each channel; `cos_i` in [0, 1].
-    #[inline]
+    #[inline(always)]
     pub fn transmittance<R: Real>(&self, cos_i: R) -> [R; C] {
         self.transmittance_wide(cos_i.widen()).map(R::narrow)
     }
@@ -155,8 +155,8 @@ impl<const C: usize, const N: usize> Fit<C, N> {
         // Loops, not closures: what runs over vectors must be inlined whole.
         let mut all = [W::ZERO; C];
         for channel in 0..C {
-            let mut sum = W::ZERO;
-            for i in (0..N).rev() {
+            let mut sum = if N > 0 { W::from_f64(self.coefficients[N - 1][channel]) } else { W::ZERO };
+            for i in (0..N.saturating_sub(1)).rev() {
                 sum = sum.mul_add(u, W::from_f64(self.coefficients[i][channel]));
             }
             all[channel] = (t * sum).saturate();

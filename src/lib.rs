@@ -73,6 +73,7 @@ mod series;
 pub mod shader;
 pub mod single;
 pub mod table;
+mod twofold;
 #[cfg(feature = "std")]
 pub mod walk;
 pub mod wgsl;

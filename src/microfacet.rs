@@ -7,6 +7,7 @@ use crate::frame::{Vector, half_vector};
 use crate::fresnel;
 use crate::masking;
 use crate::real::Real;
+use crate::twofold::Twofold;
 
 /// The Torrance–Sparrow BRDF with the factors that it is the product of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,10 +36,10 @@ pub struct TorranceSparrow<R> {
 ///
 /// With F = 1 the albedo is ≤ 1 for every α. Error in f32: ≤ 0.6 ULP, every factor included.
 /// Source: Torrance & Sparrow 1967; Cook & Torrance 1982; Elek 2010, eq. 1 (4 times too bright: erratum 1).
-#[inline]
+#[inline(always)]
 pub fn torrance_sparrow<R: Real>(wi: Vector<R>, wo: Vector<R>, n: R, k: R, alpha: R) -> TorranceSparrow<R> {
     let (wi, wo) = (wi.widen(), wo.widen());
-    let fresnel = fresnel::conductor_wide::<_, R>(cos_half(wi, wo), n.widen(), k.widen());
+    let fresnel = fresnel::conductor_carried::<_, R>(cos_half_carried(wi, wo), n.widen(), k.widen());
     let facets = facets_wide::<_, R>(wi, wo, alpha.widen());
     TorranceSparrow {
         f: R::narrow(fresnel.reflectance * facets.lobe),
@@ -49,10 +50,16 @@ pub fn torrance_sparrow<R: Real>(wi: Vector<R>, wo: Vector<R>, n: R, k: R, alpha
     }
 }
 
+/// [`cos_half`], unrounded where the type carries: at a critical angle F magnifies its rounding.
+#[inline(always)]
+pub(crate) fn cos_half_carried<W: Real>(wi: Vector<W>, wo: Vector<W>) -> Twofold<W> {
+    (wi.sum_carried(wo).length_squared_carried().sqrt() * W::HALF).at_most_one()
+}
+
 /// V·H = |wi+wo|/2 of two unit directions, at most 1: the cosine of incidence on the microfacet that mirrors them.
 ///
 /// Error in f32: ≤ 0.6 ULP.
-#[inline]
+#[inline(always)]
 pub fn cos_half<R: Real>(wi: Vector<R>, wo: Vector<R>) -> R {
     let (wi, wo) = (wi.widen(), wo.widen());
     R::narrow(R::Wide::HALF * half_vector(wi, wo).length_squared().sqrt()).min(R::ONE)
@@ -80,7 +87,7 @@ impl<W: Real> Facets<W> {
 /// Beckmann's distribution under V-cavities, without the Fresnel term. `alpha` in [1e-4, 1].
 ///
 /// Error in f32: ≤ 0.6 ULP.
-#[inline]
+#[inline(always)]
 pub fn facets<R: Real>(wi: Vector<R>, wo: Vector<R>, alpha: R) -> Facets<R> {
     facets_wide::<_, R>(wi.widen(), wo.widen(), alpha.widen()).narrow()
 }
@@ -88,9 +95,9 @@ pub fn facets<R: Real>(wi: Vector<R>, wo: Vector<R>, alpha: R) -> Facets<R> {
 /// [`facets`] in the numbers that it computes with.
 #[inline(always)]
 pub(crate) fn facets_wide<W: Real, R: Real<Wide = W>>(wi: Vector<W>, wo: Vector<W>, alpha: W) -> Facets<W> {
-    let h = half_vector(wi, wo);
+    let h = wi.sum_carried(wo);
     let lit = wi.z.gt(W::ZERO) & wo.z.gt(W::ZERO);
-    let d = W::select(lit, distribution::beckmann_wide::<_, R>(h, alpha), W::ZERO);
-    let masking = masking::v_cavity(wi.z, wo.z, h);
+    let d = W::select(lit, distribution::beckmann_carried::<_, R>(h, alpha), W::ZERO);
+    let masking = masking::v_cavity(wi.z, wo.z, h.rounded());
     Facets { lobe: d * masking.visibility, d, g: masking.g }
 }

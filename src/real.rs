@@ -67,6 +67,11 @@ pub trait Real:
     /// [`Single`](crate::single::Single) the formula is evaluated as it stands. `docs/decisions.md` says what it costs.
     type Wide: Real<Wide = Self::Wide>;
 
+    /// Whether terms carry rounding errors along where a result would magnify them: [`Single`](crate::single::Single), in which
+    /// they have no wider numbers to compute in.
+    #[doc(hidden)]
+    const CARRIES: bool = false;
+
     /// 0.
     const ZERO: Self;
     /// 1.
@@ -210,6 +215,19 @@ pub trait Real:
     /// [`Real::erfcx`] of a wide number, with the digits that this type can tell.
     #[doc(hidden)]
     fn erfcx_wide(x: Self::Wide) -> Self::Wide;
+
+    /// [`Real::ln_one_plus`] of an unrounded sum, and the rounding error of the result; where the type carries.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn ln_one_plus_carried(high: Self, _low: Self) -> (Self, Self) {
+        (high.ln_one_plus(), Self::ZERO)
+    }
+    /// [`Real::angle`] of an unrounded opposite side, and the rounding error of the result; where the type carries.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn angle_carried(high: Self, _low: Self, adjacent: Self) -> (Self, Self) {
+        (high.angle(adjacent), Self::ZERO)
+    }
 
     /// self·factor + addend: rounded once where the type has an instruction for it
     /// ([`Single<true>`](crate::single::Single)), else twice.

@@ -121,7 +121,7 @@ pub(crate) struct Map<'a, K, const I: usize, const O: usize> {
 impl<K: Kernel<I, O>, const I: usize, const O: usize> Work for Map<'_, K, I, O> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Map { kernel, inputs, mut outputs } = self;
+        let Map { kernel, inputs, outputs } = self;
         let count = inputs.first().map_or(outputs.first().map_or(0, |slice| slice.len()), |slice| slice.len());
         let whole = count - count % L::COUNT;
         for start in (0..whole).step_by(L::COUNT) {

@@ -4,8 +4,9 @@
 #![allow(unsafe_code)]
 
 use crate::real::{Mask, Real, Sealed};
-use crate::series::{EXP_SINGLE, LN_SINGLE, angle_short, erfcx_single, horner};
+use crate::series::{ANGLE_SINGLE, EXP_SINGLE, LN_SINGLE, angle_short, erfcx_single, horner};
 use crate::single::Single;
+use crate::twofold::Twofold;
 use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -94,6 +95,51 @@ pub(crate) fn ln_one_plus<L: Lanes>(x: L) -> L {
     let end = L::select(sum.lt(L::ZERO), constant(f32::NAN), constant(f32::NEG_INFINITY));
     let value = L::select(sum.gt(L::ZERO), value, end);
     L::select(x.lt(constant(f32::INFINITY)), value, x)
+}
+
+/// ln(1+x) of an unrounded sum x, and the rounding error of the result. Relative error: 2⁻²⁹.
+#[inline(always)]
+pub(crate) fn ln_one_plus_carried<L: Lanes>(high: L, low: L) -> (L, L) {
+    let constant = |c: f32| L::from_f64(f64::from(c));
+    let (sum, lost) = L::ONE.sum_exact(high);
+    // Where the sum is small, what it rounded off is not small beside it.
+    let (sum, lost) = sum.sum_exact(lost + low);
+    let (fraction, power) = sum.split();
+    let near = high.gt(constant(-0.25)) & high.lt(constant(0.375));
+    let x = L::select(near, high, fraction - L::ONE);
+    let power = L::select(near, L::ZERO, power);
+    // What x lacks of the argument: near 1 it is the argument's own.
+    let missing = L::select(near, low, lost) / sum;
+    // x − x²/2 without rounding, the rest of the series is at most a seventh of it.
+    let (square, square_error) = x.product_exact(x);
+    let rest = x * square * horner(x, &LN_SINGLE);
+    let series = Twofold::sum(x, constant(-0.5) * square);
+    let tail = (rest - L::HALF * square_error) + missing;
+    // The first part of ln 2 has nine digits: the product is exact.
+    let whole = Twofold::new(power * constant(0.693_359_375));
+    let tail = power.mul_add(constant(-2.121_944_4e-4), tail);
+    let value = whole + Twofold { high: series.high, low: series.low + tail };
+    (value.high, value.low)
+}
+
+/// The angle of a right triangle, its opposite side an unrounded sum, and the rounding error of the result. Relative error: 2⁻²⁶.
+#[inline(always)]
+pub(crate) fn angle_carried<L: Lanes>(high: L, low: L, adjacent: L) -> (L, L) {
+    let constant = |c: f32| L::from_f64(f64::from(c));
+    let opposite = Twofold { high, low };
+    let adjacent = Twofold::new(adjacent);
+    let steep = high.gt(adjacent.high);
+    let larger = Twofold::select(steep, opposite, adjacent);
+    let smaller = Twofold::select(steep, adjacent, opposite);
+    let divisor = Twofold::select(larger.high.gt(L::ZERO), larger, Twofold::new(L::ONE));
+    let r = smaller / divisor;
+    let square = r.high * r.high;
+    // atan(r) = r + r³·Q(r²), whose slope is 1/(1+r²).
+    let odd = Twofold::sum(r.high, r.high * square * horner(square, &ANGLE_SINGLE[1..]));
+    let odd = odd + Twofold::new(r.low / (L::ONE + square));
+    let right = Twofold { high: constant(core::f32::consts::FRAC_PI_2), low: constant(-4.371_139e-8) };
+    let angle = Twofold::select(steep, right - odd, odd);
+    (angle.high, angle.low)
 }
 
 /// ln(1+x) + power·ln 2 for 1+x in [√½, √2].
@@ -258,6 +304,7 @@ impl<T: Register> Lanes for Vectored<T> {
 impl<T: Register> Real for Vectored<T> {
     type Mask = Answers<T>;
     type Wide = Self;
+    const CARRIES: bool = true;
 
     const ZERO: Self = Vectored(T::CONSTANTS[0]);
     const ONE: Self = Vectored(T::CONSTANTS[1]);
@@ -346,6 +393,14 @@ impl<T: Register> Real for Vectored<T> {
     #[inline(always)]
     fn angle_wide(opposite: Self, adjacent: Self) -> Self {
         angle_short(opposite, adjacent)
+    }
+    #[inline(always)]
+    fn ln_one_plus_carried(high: Self, low: Self) -> (Self, Self) {
+        ln_one_plus_carried(high, low)
+    }
+    #[inline(always)]
+    fn angle_carried(high: Self, low: Self, adjacent: Self) -> (Self, Self) {
+        angle_carried(high, low, adjacent)
     }
     #[inline(always)]
     fn erfcx_wide(x: Self) -> Self {

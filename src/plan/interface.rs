@@ -101,7 +101,8 @@ impl<const K: usize> Transmits<K> for AnyDielectric {
         let inverse = W::from_f64(1.0 / self.n_above);
         let [(i, _), (o, _)] = cosines;
         let eta = W::from_f64(self.eta);
-        let (i, o) = (fresnel::dielectric_wide::<_, W>(i * inverse, eta), fresnel::dielectric_wide::<_, W>(o * inverse, eta));
+        let (i, o) =
+            (fresnel::dielectric_wide::<_, W>(i * inverse, eta), fresnel::dielectric_wide::<_, W>(o * inverse, eta));
         [i.transmittance * o.transmittance; K]
     }
     #[inline(always)]

@@ -159,8 +159,8 @@ impl Lobe {
         let fractions = fresnel.reflectance(half_squared, half);
         for channel in 0..K {
             let (numerator, denominator) = fractions[channel];
-            ray.f[channel] = (ray.weight[channel] * visible)
-                .mul_add(numerator / (denominator * cavity), ray.f[channel]);
+            ray.f[channel] =
+                (ray.weight[channel] * visible).mul_add(numerator / (denominator * cavity), ray.f[channel]);
         }
     }
 

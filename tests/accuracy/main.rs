@@ -28,7 +28,7 @@ fn assert_bounds(all: &[Measured]) {
     let mut broken = Vec::new();
     for m in all {
         let bound = meter::stated_bound(m.term.module, m.term.function);
-        for (meter, label) in m.ours.iter().zip(m.term.results) {
+        for (result, (meter, label)) in m.ours.iter().zip(m.term.results).enumerate() {
             let (name, samples, worst) = (m.term.name(), meter.samples, meter.worst);
             println!(
                 "{name:42} {label:16} {samples:9} {worst:8.3} {:8.3} {:8.3} {:?}",
@@ -38,6 +38,12 @@ fn assert_bounds(all: &[Measured]) {
             );
             if worst > bound {
                 broken.push(format!("{name} {label}: {worst} ULP, documented {bound}, at {:?}", meter.at));
+            }
+            if let (Some(limit), Some(many)) = (m.term.batch_limit(), m.batch.get(result)) {
+                println!("{name:42} {label:16} batch     {:8.3} {:8.3} {:?}", many.worst, many.rare(), many.at);
+                if many.worst > limit.ulp {
+                    broken.push(format!("{name} {label}: {} ULP in a batch, the limit is {}", many.worst, limit.ulp));
+                }
             }
             if samples < MEASURED {
                 broken.push(format!("{name} {label}: only {samples} samples in the domain"));

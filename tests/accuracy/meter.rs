@@ -21,8 +21,13 @@ fn power_of_two(exponent: i32) -> f64 {
 
 /// The distance of an f32 from the exact result, in ULP; infinite for a NaN or an infinity that should not be.
 pub(crate) fn error(got: f32, want: f64) -> f64 {
+    error_of(got, want, want)
+}
+
+/// [`error`] in the spacing at `scale`, which may be larger than the exact result.
+pub(crate) fn error_of(got: f32, want: f64, scale: f64) -> f64 {
     let distance = (f64::from(got) - want).abs();
-    if distance.is_nan() { f64::INFINITY } else { distance / ulp_single(want) }
+    if distance.is_nan() { f64::INFINITY } else { distance / ulp_single(scale) }
 }
 
 /// Buckets of the distribution: 32 for each factor of two from 2⁻⁸ to 2⁵⁶, and what is beyond.

@@ -1,7 +1,8 @@
 //! The table of terms: what they are called with, over which numbers, and what they should reach.
 
-use crate::inputs::{self, Point, alpha, cosine, diffuse_pair, flat, half, index, log, pair, share, upper};
+use crate::inputs::{self, DIMENSIONS, Point, alpha, cosine, diffuse_pair, flat, half, index, log, pair, share, upper};
 use crate::naive;
+use brdf::batch::{self, Kernel, Level};
 use brdf::layered::{self, Interface, Layer};
 use brdf::single::Single;
 use brdf::{Real, Vector};
@@ -10,6 +11,17 @@ use std::f64::consts::PI;
 
 /// A term over the numbers `R`: arguments in, results out, of which there are at most three.
 type Form<R> = fn(&[R]) -> [R; 3];
+
+/// A term over slices, with the instructions of a level: arguments in, of which those that it has not are 0s, results out.
+type Batch = fn(Level, [&[f32]; DIMENSIONS], [&mut [f32]; 3]);
+
+/// How far a term may be off in a batch, where that is not the target.
+#[derive(Clone, Copy)]
+pub(crate) struct Limit {
+    pub(crate) ulp: f64,
+    /// What the ULP are those of where the result is smaller: the size of what cancels in it.
+    pub(crate) scale: fn(&[f64]) -> f64,
+}
 
 /// One row: a function of the crate.
 pub(crate) struct Term {
@@ -29,6 +41,10 @@ pub(crate) struct Term {
     pub(crate) double: Form<f64>,
     /// In f32 throughout.
     pub(crate) plain: Form<Single>,
+    /// Many at once.
+    pub(crate) batch: Batch,
+    /// The limit of a batch; else the target.
+    pub(crate) limit: Option<Limit>,
     /// As the documents print it.
     pub(crate) naive: Option<Form<f32>>,
     /// Whether the result is 0 by decree in f32: an exponent beyond [`Real::EXP_LIMIT`].
@@ -40,6 +56,12 @@ pub(crate) struct Term {
 impl Term {
     pub(crate) fn name(&self) -> String {
         format!("{}::{}", self.module, self.function)
+    }
+
+    /// The limit of a batch; stacks are planned first, and have their own kernel.
+    pub(crate) fn batch_limit(&self) -> Option<Limit> {
+        let target = self.target.map(|ulp| Limit { ulp, scale: |_| 0.0 });
+        self.limit.or(target).filter(|_| self.module != "layered")
     }
 
     /// Whether a result is large enough to be measured. Where no light gets through there is nothing to be off by: total
@@ -112,9 +134,18 @@ fn stack_inputs(p: &Point) -> Vec<f32> {
 macro_rules! term {
     ($list:ident, $module:ident::$function:ident $results:expr, $domain:literal, $draw:expr, |$a:ident| $body:expr
         $(, target $target:literal)? $(, naive |$b:ident| $naive:expr)? $(, past |$c:ident| $past:expr)?
-        $(, least $least:literal)? $(, signed $signed:literal)?) => {{
+        $(, least $least:literal)? $(, signed $signed:literal)?
+        $(, batch $limit:literal $(of |$d:ident| $scale:expr)?)?) => {{
+        #[inline(always)]
         fn evaluate<R: Real>($a: &[R]) -> [R; 3] {
             Results::<R>::three($body)
+        }
+        struct Batched;
+        impl Kernel<DIMENSIONS, 3> for Batched {
+            #[inline(always)]
+            fn evaluate<R: Real<Wide = R>>(&self, arguments: [R; DIMENSIONS]) -> [R; 3] {
+                evaluate(&arguments)
+            }
         }
         #[allow(unused_mut, unused_assignments)]
         let term = {
@@ -129,6 +160,10 @@ macro_rules! term {
                 single: evaluate::<f32>,
                 double: evaluate::<f64>,
                 plain: evaluate::<Single>,
+                batch: |level, arguments, results| {
+                    batch::map_at(level, &Batched, arguments, results).expect("slices of one length");
+                },
+                limit: None,
                 naive: None,
                 past: |_| false,
                 signed: false,
@@ -138,6 +173,10 @@ macro_rules! term {
             $(term.past = |$c: &[f64]| $past > LIMIT;)?
             $(term.least = $least;)?
             $(term.signed = $signed;)?
+            $(
+                term.limit = Some(Limit { ulp: $limit, scale: |_| 0.0 });
+                $(term.limit = Some(Limit { ulp: $limit, scale: |$d: &[f64]| $scale });)?
+            )?
             term
         };
         $list.push(term);
@@ -153,15 +192,15 @@ pub(crate) fn terms() -> Vec<Term> {
         target 8.0, naive |a| naive::dielectric(a[0], a[1]));
     term!(t, fresnel::refracted_square [""], "cos [1e-6, 1], η [1/4, 4]; critical angles",
         |p| inputs::incidence(p), |a| fresnel::refracted_square(a[0], a[1]),
-        naive |a| a[0] * a[0] + a[1] * a[1] - 1.0, signed true);
+        naive |a| a[0] * a[0] + a[1] * a[1] - 1.0, signed true, batch 1.0);
     term!(t, fresnel::conductor ["F", "T"], "cos [1e-6, 1], n [.02, 8], κ [0, 12]; critical angles",
         |p| inputs::conductor(p), |a| fresnel::conductor(a[0], a[1], a[2]),
         target 8.0, naive |a| naive::conductor(a[0], a[1], a[2]));
     term!(t, fresnel::conductor_approx [""], "cos [1e-6, 1], n [.02, 8], κ [0, 12]",
         |p| inputs::conductor(p), |a| fresnel::conductor_approx(a[0], a[1], a[2]),
-        naive |a| naive::conductor_approx(a[0], a[1], a[2]));
+        naive |a| naive::conductor_approx(a[0], a[1], a[2]), batch 8.0);
     term!(t, fresnel::normal_incidence [""], "n [.02, 8], κ [0, 12]",
-        |p| index(p[0], p[1]).to_vec(), |a| fresnel::normal_incidence(a[0], a[1]));
+        |p| index(p[0], p[1]).to_vec(), |a| fresnel::normal_incidence(a[0], a[1]), batch 8.0);
     term!(t, fresnel::schlick ["F", "T"], "cos [1e-6, 1], F₀ [0, 1]",
         |p| vec![cosine(p[0]), share(p[1])], |a| fresnel::schlick(a[0], a[1]),
         target 4.0, naive |a| naive::schlick(a[0], a[1]));
@@ -175,9 +214,11 @@ pub(crate) fn terms() -> Vec<Term> {
     term!(t, fresnel::lazanyi [""], "the same, a [−1, 3], exponent [1, 12]",
         |p| { let mut a = inputs::conductor(p); a.extend([(4.0 * p[4] - 1.0) as f32, (1.0 + 11.0 * p[5]) as f32]); a },
         |a| fresnel::lazanyi(a[0], a[1], a[2], a[3], a[4]),
-        target 8.0, naive |a| naive::lazanyi(a[0], a[1], a[2], a[3], a[4]));
+        target 8.0, naive |a| naive::lazanyi(a[0], a[1], a[2], a[3], a[4]),
+        batch 8.0 of |a| fresnel::lazanyi_uncorrected(a[0], a[1], a[2]).max(1e-30));
     term!(t, fresnel::f82_tint [""], "cos [1e-6, 1], F₀ and tint [0, 1]",
-        |p| vec![cosine(p[0]), share(p[1]), share(p[2])], |a| fresnel::f82_tint(a[0], a[1], a[2]));
+        |p| vec![cosine(p[0]), share(p[1]), share(p[2])], |a| fresnel::f82_tint(a[0], a[1], a[2]),
+        batch 8.0 of |a| fresnel::schlick(a[0], a[1]).reflectance);
 
     term!(t, distribution::beckmann [""], "α [1e-4, 1], tanθ to 1e4·α, any length of h",
         |p| { let a = alpha(p[3]); flat(&[half(a, p)], &[a]) }, |a| distribution::beckmann(vector(a), a[3]),
@@ -196,19 +237,19 @@ pub(crate) fn terms() -> Vec<Term> {
     term!(t, distribution::blinn [""], "α [1e-4, 1], tanθ to 1e4·α, any length of h",
         |p| { let a = alpha(p[3]); flat(&[half(a, p)], &[a]) }, |a| distribution::blinn(vector(a), a[3]),
         naive |a| naive::blinn(vector(a), a[3]),
-        past |a| (1.0 / (a[3] * a[3]) - 1.0) * (vector(a).sin_squared() / (a[2] * a[2])).ln_1p());
+        past |a| (1.0 / (a[3] * a[3]) - 1.0) * (vector(a).sin_squared() / (a[2] * a[2])).ln_1p(), batch 16.0);
     term!(t, distribution::blinn_anisotropic [""], "the same, α [1e-4, 1] along each axis",
         |p| flat(&[half(alpha(p[3]), p)], &[alpha(p[3]), alpha(p[4])]),
         |a| distribution::blinn_anisotropic(vector(a), a[3], a[4]),
         past |a| {
             let s = vector(a).sin_squared();
             (((a[0] / a[3]).powi(2) + (a[1] / a[4]).powi(2)) / s - 1.0) * (s / (a[2] * a[2])).ln_1p()
-        });
+        }, batch 16.0);
     term!(t, distribution::gaussian [""], "the same, c = 1/(πα²)",
         |p| { let a = alpha(p[3]); flat(&[half(a, p)], &[a, (1.0 / (PI * f64::from(a).powi(2))) as f32]) },
         |a| distribution::gaussian(vector(a), a[3], a[4]),
         naive |a| naive::gaussian(vector(a), a[3], a[4]),
-        past |a| (vector(a).sin_squared().sqrt().atan2(a[2]) / a[3]).powi(2));
+        past |a| (vector(a).sin_squared().sqrt().atan2(a[2]) / a[3]).powi(2), batch 128.0);
 
     term!(t, masking::v_cavity ["G", "V"], "cos [1e-6, 1], h = wi + wo rounded",
         |p| flat(&pair(alpha(p[5]), p), &[]), |a| masking::v_cavity(a[2], a[5], vector(a) + vector(&a[3..])),
@@ -232,16 +273,16 @@ pub(crate) fn terms() -> Vec<Term> {
         target 4.0, naive |a| naive::kelemen(vector(a), vector(&a[3..])));
     term!(t, masking::projected_area_ggx [""], "cos [1e-6, 1], α [1e-4, 1] along each axis",
         |p| flat(&[upper(p[0], p[1])], &[alpha(p[5]), alpha(p[6])]),
-        |a| masking::projected_area_ggx(vector(a), a[3], a[4]));
+        |a| masking::projected_area_ggx(vector(a), a[3], a[4]), batch 4.0);
     term!(t, masking::projected_area_beckmann [""], "cos [1e-6, 1], α [1e-4, 1] along each axis",
         |p| flat(&[upper(p[0], p[1])], &[alpha(p[5]), alpha(p[6])]),
-        |a| masking::projected_area_beckmann(vector(a), a[3], a[4]));
+        |a| masking::projected_area_beckmann(vector(a), a[3], a[4]), batch 4.0);
 
-    term!(t, diffuse::lambert [""], "ρ [0, 1]", |p| vec![share(p[0])], |a| diffuse::lambert(a[0]));
+    term!(t, diffuse::lambert [""], "ρ [0, 1]", |p| vec![share(p[0])], |a| diffuse::lambert(a[0]), batch 2.0);
     term!(t, diffuse::oren_nayar ["direct", "interreflection"], "cos [1e-6, 1], σ [0, π/2]",
         |p| flat(&diffuse_pair(p), &[(p[5] * PI / 2.0) as f32]),
         |a| { let f = diffuse::oren_nayar(vector(a), vector(&a[3..]), a[6]); [f.direct, f.interreflection] },
-        target 16.0, naive |a| naive::oren_nayar(vector(a), vector(&a[3..]), a[6]), signed true);
+        target 16.0, naive |a| naive::oren_nayar(vector(a), vector(&a[3..]), a[6]), signed true, batch 16.0 of |_a| 0.5);
     term!(t, diffuse::oren_nayar_qualitative [""], "cos [1e-6, 1], σ [0, π/2], ρ [0, 1]",
         |p| flat(&diffuse_pair(p), &[(p[5] * PI / 2.0) as f32, p[6] as f32]),
         |a| diffuse::oren_nayar_qualitative(vector(a), vector(&a[3..]), a[6], a[7]),
@@ -272,16 +313,16 @@ pub(crate) fn terms() -> Vec<Term> {
         past |a| {
             let mirrored = Vector::new(-a[0], -a[1], a[2]);
             -a[6] * (-(0.5 * (mirrored + vector(&a[3..]) * -1.0).length_squared()).min(1.0)).ln_1p()
-        });
+        }, batch 16.0);
     term!(t, phong::blinn_phong [""], "cos [1e-6, 1], n [.01, 1e6]",
         |p| { let n = log(p[5], 0.01, 1e6); flat(&pair((2.0 / (n + 2.0)).sqrt() as f32, p), &[n as f32]) },
         |a| phong::blinn_phong(vector(a), vector(&a[3..]), a[6]),
         naive |a| naive::blinn_phong(vector(a), vector(&a[3..]), a[6]),
-        past |a| 0.5 * a[6] * (exponent_of_pair(a, 1.0)).ln_1p());
+        past |a| 0.5 * a[6] * (exponent_of_pair(a, 1.0)).ln_1p(), batch 16.0);
 
     term!(t, microfacet::cos_half [""], "cos [1e-6, 1]", |p| flat(&pair(alpha(p[5]), p), &[]),
         |a| microfacet::cos_half(vector(a), vector(&a[3..])),
-        naive |a| vector(&a[3..]).dot((vector(a) + vector(&a[3..])).normalized()));
+        naive |a| vector(&a[3..]).dot((vector(a) + vector(&a[3..])).normalized()), batch 4.0);
     term!(t, microfacet::facets ["lobe", "D"], "cos [1e-6, 1], α [1e-4, 1]",
         |p| { let a = alpha(p[5]); flat(&pair(a, p), &[a]) },
         |a| { let f = microfacet::facets(vector(a), vector(&a[3..]), a[6]); [f.lobe, f.d] },
@@ -304,9 +345,9 @@ pub(crate) fn terms() -> Vec<Term> {
         stack_inputs, |a| { let [f] = layered::weidlich_wilkie(&stack(a), vector(a), vector(&a[3..])); f },
         target 12.0, least 1e-8);
 
-    term!(t, real::erfcx [""], "x [1e-6, 1e4]", |p| vec![log(p[0], 1e-6, 1e4) as f32], |a| a[0].erfcx());
+    term!(t, real::erfcx [""], "x [1e-6, 1e4]", |p| vec![log(p[0], 1e-6, 1e4) as f32], |a| a[0].erfcx(), batch 6.0);
     term!(t, real::exp_product [""], "a, b [1e-6, 1e3]",
         |p| vec![log(p[0], 1e-6, 1e3) as f32, log(p[1], 1e-6, 1e3) as f32], |a| a[0].exp_product(a[1]),
-        naive |a| (-(a[0] * a[1])).exp(), past |a| a[0] * a[1]);
+        naive |a| (-(a[0] * a[1])).exp(), past |a| a[0] * a[1], batch 2.0);
     t
 }
