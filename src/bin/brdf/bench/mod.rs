@@ -1,7 +1,10 @@
 //! `brdf bench`: run time against error.
 
 mod chart;
+mod clock;
+mod host;
 mod layered;
+mod machine;
 
 use crate::failure::Failure;
 use clap::{Args, Subcommand};
@@ -18,10 +21,13 @@ pub(crate) struct Options {
 enum Subject {
     /// The models of layered stacks against the walk: albedo, f, time and tables.
     Layered(layered::Options),
+    /// The measured peak of this processor: multiply-adds, divides, roots and copying.
+    Machine(machine::Options),
 }
 
 pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
     match &options.subject {
         Subject::Layered(options) => layered::run(options),
+        Subject::Machine(options) => machine::run(options),
     }
 }
