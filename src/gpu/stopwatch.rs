@@ -69,7 +69,12 @@ impl Stopwatch {
             });
             let buffer = |bytes: u64, usage| {
                 let usage = Usage::STORAGE | usage;
-                device.create_buffer(&wgpu::BufferDescriptor { label: None, size: bytes, usage, mapped_at_creation: false })
+                device.create_buffer(&wgpu::BufferDescriptor {
+                    label: None,
+                    size: bytes,
+                    usage,
+                    mapped_at_creation: false,
+                })
             };
             let output = buffer(4 * output_words as u64, Usage::COPY_SRC);
             let fill = |bytes: &&[u8]| {
@@ -118,7 +123,12 @@ impl Stopwatch {
             let queries =
                 stamped.then(|| device.create_query_set(&wgpu::QuerySetDescriptor { label: None, ty, count: 2 }));
             let buffer = |usage| {
-                device.create_buffer(&wgpu::BufferDescriptor { label: None, size: 16, usage, mapped_at_creation: false })
+                device.create_buffer(&wgpu::BufferDescriptor {
+                    label: None,
+                    size: 16,
+                    usage,
+                    mapped_at_creation: false,
+                })
             };
             let resolved = buffer(wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC);
             let back = buffer(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
@@ -129,7 +139,8 @@ impl Stopwatch {
                     beginning_of_pass_write_index: Some(0),
                     end_of_pass_write_index: Some(1),
                 });
-                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
+                let mut pass =
+                    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
                 pass.set_pipeline(&self.pipeline);
                 pass.set_bind_group(0, &self.bind_group, &[]);
                 pass.dispatch_workgroups(workgroups, 1, 1);

@@ -5,6 +5,7 @@ mod clock;
 mod host;
 mod layered;
 mod machine;
+mod terms;
 
 use crate::failure::Failure;
 use clap::{Args, Subcommand};
@@ -19,6 +20,8 @@ pub(crate) struct Options {
 
 #[derive(Subcommand)]
 enum Subject {
+    /// Every variant of the terms and of a whole BRDF: error against time, scalar, in batches and on adapters.
+    Terms(terms::Options),
     /// The models of layered stacks against the walk: albedo, f, time and tables.
     Layered(layered::Options),
     /// The measured peak of this processor: multiply-adds, divides, roots and copying.
@@ -27,6 +30,7 @@ enum Subject {
 
 pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
     match &options.subject {
+        Subject::Terms(options) => terms::run(options),
         Subject::Layered(options) => layered::run(options),
         Subject::Machine(options) => machine::run(options),
     }
