@@ -2,11 +2,15 @@
 //!
 //! Each benchmark evaluates one term at the same 1024 low-discrepancy inputs; its throughput is terms per second.
 
+use brdf::table::{DistributionTable, ENTRIES, FresnelTable, Half, Mapping, SIDE};
 use brdf::{Real, Vector, half_vector};
 use brdf::{absorption, diffuse, distribution, fresnel, masking, microfacet, phong, refraction};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::time::Duration;
+
+/// n and κ of copper (Elek 2010, App. A).
+const COPPER: ([f64; 3], [f64; 3]) = ([0.213, 1.04, 1.17], [4.05, 2.59, 2.36]);
 
 /// One evaluation's arguments, of which a term takes what it needs.
 #[derive(Clone, Copy)]
@@ -91,7 +95,7 @@ fn terms<R: Real>(c: &mut Criterion, number: &str) {
     term!("fresnel/lazanyi", |i| fresnel::lazanyi(i.cos, i.n, i.k, i.u, i.eta));
     term!("fresnel/f82_tint", |i| fresnel::f82_tint(i.cos, i.u, i.alpha));
     // Three channels of one material: the exact terms and what replaces them.
-    let (n, k) = ([0.213, 1.04, 1.17], [4.05, 2.59, 2.36]);
+    let (n, k) = COPPER;
     let (eight, twelve) = (fresnel::Fit::<3, 8>::new(n, k), fresnel::Fit::<3, 12>::new(n, k));
     let (eight, twelve) = (eight.expect("copper is smooth"), twelve.expect("copper is smooth"));
     let (eight, twelve) = (black_box(&eight), black_box(&twelve));
@@ -100,10 +104,26 @@ fn terms<R: Real>(c: &mut Criterion, number: &str) {
     term!("fresnel_rgb/conductor", |i| [0, 1, 2].map(|c| fresnel::conductor(i.cos, n[c], k[c])));
     term!("fresnel_rgb/fit_8", |i| eight.evaluate(i.cos));
     term!("fresnel_rgb/fit_12", |i| twelve.evaluate(i.cos));
+    let table = |mapping| FresnelTable::<3>::new(COPPER.0, COPPER.1, ENTRIES, mapping).expect("copper has tables");
+    let bytes = |mapping| FresnelTable::<3, u8>::new(COPPER.0, COPPER.1, ENTRIES, mapping).expect("copper has tables");
+    let [angle, root] = black_box([Mapping::Angle, Mapping::Root].map(table));
+    let [angle_bytes, root_bytes] = black_box([Mapping::Angle, Mapping::Root].map(bytes));
+    term!("fresnel_rgb/table_128", |i| angle.reflectance(i.cos));
+    term!("fresnel_rgb/table_128_8bit", |i| angle_bytes.reflectance(i.cos));
+    term!("fresnel_rgb/table_128_root", |i| root.reflectance(i.cos));
+    term!("fresnel_rgb/table_128_root_8bit", |i| root_bytes.reflectance(i.cos));
     term!("fresnel_rgb/lazanyi_uncorrected", |i| [0, 1, 2].map(|c| fresnel::lazanyi_uncorrected(i.cos, n[c], k[c])));
     term!("fresnel_rgb/lazanyi", |i| [0, 1, 2].map(|c| fresnel::lazanyi(i.cos, n[c], k[c], i.u, i.eta)));
     term!("fresnel_rgb/schlick", |i| base.map(|f| fresnel::schlick(i.cos, f)));
     term!("distribution/beckmann", |i| distribution::beckmann(i.h, i.alpha));
+    let table = |mapping| DistributionTable::<f32>::new(SIDE, SIDE, 2.3e-3, mapping).expect("in the ranges");
+    let half = |mapping| DistributionTable::<Half>::new(SIDE, SIDE, 2.3e-3, mapping).expect("in the ranges");
+    let [angle, root] = black_box([Mapping::Angle, Mapping::Root].map(table));
+    let [angle_half, root_half] = black_box([Mapping::Angle, Mapping::Root].map(half));
+    term!("distribution/table_512", |i| angle.evaluate(i.h, i.alpha));
+    term!("distribution/table_512_f16", |i| angle_half.evaluate(i.h, i.alpha));
+    term!("distribution/table_512_root", |i| root.evaluate(i.h, i.alpha));
+    term!("distribution/table_512_root_f16", |i| root_half.evaluate(i.h, i.alpha));
     term!("distribution/beckmann_anisotropic", |i| distribution::beckmann_anisotropic(i.h, i.alpha, i.u));
     term!("distribution/ggx", |i| distribution::ggx(i.h, i.alpha));
     term!("distribution/ggx_anisotropic", |i| distribution::ggx_anisotropic(i.h, i.alpha, i.u));

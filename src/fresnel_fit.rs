@@ -148,7 +148,7 @@ impl<const C: usize, const N: usize> Fit<C, N> {
     }
 
     #[inline(always)]
-    fn transmittance_wide<W: Real>(&self, c: W) -> [W; C] {
+    pub(crate) fn transmittance_wide<W: Real>(&self, c: W) -> [W; C] {
         let b = W::from_f64(self.bend);
         let t = c * (W::ONE + b) / (c + b);
         let u = W::TWO * t - W::ONE;

@@ -385,6 +385,18 @@ impl<T: AccuracyTable> Real for Interval<T> {
             Self::rounded(low, high, 3.5)
         })
     }
+    /// The hull of the values in every cell that the position may be in.
+    fn piecewise<const C: usize>(self, cells: usize, value: impl Fn(usize, Self) -> [Self; C]) -> [Self; C] {
+        let cell = |end: f64| (end as usize).min(cells - 1);
+        let at = |cell: usize| value(cell, (self - Self::from_f64(cell as f64)).saturate());
+        let (first, last) = (cell(self.low), cell(self.high));
+        (first + 1..=last).fold(at(first), |mut hull, cell| {
+            for (hull, value) in hull.iter_mut().zip(at(cell)) {
+                *hull = hull.hull(value);
+            }
+            hull
+        })
+    }
     fn product_wide(a: Self, b: Self) -> (Self, Self) {
         a.product_exact(b)
     }

@@ -36,7 +36,7 @@
 //!
 //! [`real`] and [`frame`] are the numbers and directions; [`fresnel`] ([`fresnel_fit`]), [`distribution`], [`masking`], [`diffuse`],
 //! [`refraction`], [`absorption`] and [`phong`] are the terms; [`microfacet`] and [`layered`] are whole BRDFs,
-//! [`sampling`] draws directions for them; [`material`] holds measured data. [`wgsl`] holds the WGSL twin of each of these functions under the same name.
+//! [`sampling`] draws directions for them; [`table`] holds F and D as texels; [`material`] holds measured data. [`wgsl`] holds the WGSL twin of each of these functions under the same name.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -64,6 +64,7 @@ pub mod microfacet;
 #[cfg(feature = "gpu")]
 pub mod parity;
 pub mod phong;
+pub mod plan;
 pub mod real;
 pub mod refraction;
 pub mod sampling;
@@ -71,6 +72,7 @@ mod series;
 #[cfg(feature = "shader")]
 pub mod shader;
 pub mod single;
+pub mod table;
 #[cfg(feature = "std")]
 pub mod walk;
 pub mod wgsl;

@@ -178,6 +178,14 @@ pub trait Real:
         let u = (self - Self::from_f64(left as f64)).saturate();
         core::array::from_fn(|c| Self::from_f64(a[c]) * (Self::ONE - u) + Self::from_f64(b[c]) * u)
     }
+    /// A function that is another one in each of `cells` ≥ 1 cells of width 1, at this position: `value` of the cell that it is in, or
+    /// the nearest to it, and its fraction of that.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn piecewise<const C: usize>(self, cells: usize, value: impl Fn(usize, Self) -> [Self; C]) -> [Self; C] {
+        let cell = (self.to_f64() as usize).min(cells - 1);
+        value(cell, (self - Self::from_f64(cell as f64)).saturate())
+    }
     /// [`Real::product_exact`] of two wide numbers, so far as this type can tell: in `f32` the double-precision product alone.
     #[doc(hidden)]
     fn product_wide(a: Self::Wide, b: Self::Wide) -> (Self::Wide, Self::Wide);

@@ -96,6 +96,12 @@ fn a_broken_twin_differs() {
         ("walk", "visible_part", "2.0 * m.z", "2.001 * m.z"),
         ("random", "random", "1664525u", "1664521u"),
         ("patina", "patina_extent", "3.0 - 2.0 * t", "3.0 + 2.0 * t"),
+        ("table", "fresnel_over_angle", "0.636619772367581343", "0.636519772367581343"),
+        ("table", "fresnel_over_root", "cell + 1u", "cell"),
+        ("table", "beckmann_over_angle", "sqrt(sqrt(sqrt(eighth)))", "sqrt(sqrt(eighth))"),
+        ("table", "beckmann_over_angle", "j + 1u", "j"),
+        ("table", "beckmann_over_root", "shape.columns - 1u", "shape.columns - 2u"),
+        ("table", "beckmann_over_root", "sqrt(sqrt(m))", "sqrt(m)"),
         ("real", "ln_one_plus", "1.0 / 3.0", "0.3333"),
         ("real", "angle", "0.199980752811", "0.199981752811"),
     ];

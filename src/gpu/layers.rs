@@ -1,4 +1,4 @@
-//! Stacks in the storage buffers that the twins of [`crate::layered`] read.
+//! Stacks in the storage buffers that the twins of [`crate::layered`] read, and texels in those of [`crate::table`].
 
 use crate::layered::{BufferLayer, Coupled, Layer, Model, Stack};
 use crate::real::Real;
@@ -20,6 +20,24 @@ fn coupled_row(index: u32) -> vec4f {
 }
 ";
 
+/// The WGSL that binds a storage buffer of texels, rows of [`ENTRIES`](crate::table::ENTRIES), and supplies `fresnel_texel` to the
+/// module `table`.
+pub const FRESNEL_BINDINGS: &str = "\
+@group(0) @binding(5) var<storage, read> fresnel_texels: array<vec4f>;
+fn fresnel_texel(column: u32, row: u32) -> vec3f {
+    return fresnel_texels[row * 128u + column].xyz;
+}
+";
+
+/// The WGSL that binds a storage buffer of texels, rows of [`SIDE`](crate::table::SIDE), and supplies `distribution_texel` to the
+/// module `table`.
+pub const DISTRIBUTION_BINDINGS: &str = "\
+@group(0) @binding(6) var<storage, read> distribution_texels: array<f32>;
+fn distribution_texel(column: u32, row: u32) -> f32 {
+    return distribution_texels[row * 512u + column];
+}
+";
+
 /// The bytes of a storage buffer that holds these layers.
 pub fn layer_bytes<'a>(layers: impl IntoIterator<Item = &'a Layer<f32, 3>>) -> Vec<u8> {
     let layers: Vec<BufferLayer> = layers.into_iter().map(BufferLayer::from).collect();
@@ -31,6 +49,9 @@ pub fn layer_bytes<'a>(layers: impl IntoIterator<Item = &'a Layer<f32, 3>>) -> V
 pub struct StackBuffers {
     pub(crate) layers: Vec<Layer<f64, 3>>,
     pub(crate) rows: Vec<[f64; 4]>,
+    /// Texels of F and of D, for the twins of [`crate::table`].
+    pub(crate) fresnel: Vec<[f64; 4]>,
+    pub(crate) distribution: Vec<f64>,
 }
 
 /// Where a stack lies in its [`StackBuffers`]: what the twins take as `first`, `count` and `table`.
@@ -58,7 +79,12 @@ impl StackBuffers {
 
     /// The WGSL that completes a linked module: bindings of layers and of tables, where the module calls for them.
     pub fn bindings(&self, source: &str) -> String {
-        let needed = [("stack_layer(", STACK_BINDINGS), ("coupled_row(", TABLE_BINDINGS)];
+        let needed = [
+            ("stack_layer(", STACK_BINDINGS),
+            ("coupled_row(", TABLE_BINDINGS),
+            ("fresnel_texel(", FRESNEL_BINDINGS),
+            ("distribution_texel(", DISTRIBUTION_BINDINGS),
+        ];
         needed.into_iter().filter(|(call, _)| source.contains(call)).map(|(_, bindings)| bindings).collect()
     }
 
@@ -69,11 +95,22 @@ impl StackBuffers {
             let layers: Vec<_> = self.layers.iter().map(Layer::cast::<f32>).collect();
             storage.push(layer_bytes(&layers));
         }
-        if source.contains("coupled_row(") {
-            let mut rows: Vec<[f32; 4]> = self.rows.iter().map(|row| row.map(|x| x as f32)).collect();
+        let vectors = |rows: &[[f64; 4]]| {
+            let mut rows: Vec<[f32; 4]> = rows.iter().map(|row| row.map(|x| x as f32)).collect();
             // An adapter refuses an empty buffer.
             rows.resize(rows.len().max(1), [0.0; 4]);
-            storage.push(bytemuck::cast_slice(&rows).to_vec());
+            bytemuck::cast_slice(&rows).to_vec()
+        };
+        if source.contains("coupled_row(") {
+            storage.push(vectors(&self.rows));
+        }
+        if source.contains("fresnel_texel(") {
+            storage.push(vectors(&self.fresnel));
+        }
+        if source.contains("distribution_texel(") {
+            let mut texels: Vec<f32> = self.distribution.iter().map(|x| *x as f32).collect();
+            texels.resize(texels.len().max(1), 0.0);
+            storage.push(bytemuck::cast_slice(&texels).to_vec());
         }
         storage
     }

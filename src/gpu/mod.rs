@@ -31,7 +31,9 @@ mod stopwatch;
 pub use adapter::{AdapterInfo, adapters};
 pub use error::GpuError;
 pub use kernel::Kernel;
-pub use layers::{STACK_BINDINGS, StackBuffers, StackPlace, TABLE_BINDINGS, layer_bytes};
+pub use layers::{
+    DISTRIBUTION_BINDINGS, FRESNEL_BINDINGS, STACK_BINDINGS, StackBuffers, StackPlace, TABLE_BINDINGS, layer_bytes,
+};
 pub use policy::{Policy, policy};
 pub use rows::{columns, rows};
 pub use stopwatch::{Clock, Lap, Stopwatch};

@@ -150,7 +150,9 @@ fn evaluate<N: Number, T: Copy + Into<f64>>(
         rows.iter().flat_map(|row| row.iter().zip(leaves.iter().map(|leaf| leaf.scalar)).map(cell)).collect();
     let mut buffers = Buffers::new()
         .with_numbers(0, STORAGE_BINDING, stacks.layers.iter().flat_map(numbers).collect())
-        .with_numbers(0, STORAGE_BINDING + 1, stacks.rows.as_flattened().to_vec());
+        .with_numbers(0, STORAGE_BINDING + 1, stacks.rows.as_flattened().to_vec())
+        .with_numbers(0, STORAGE_BINDING + 2, stacks.fresnel.as_flattened().to_vec())
+        .with_numbers(0, STORAGE_BINDING + 3, stacks.distribution.clone());
     let results = program.run(&cells, &mut buffers)?;
     let width = results.len() / rows.len().max(1);
     let real = |cell: &Cell<N>| match cell {

@@ -7,6 +7,7 @@ use crate::interval::WgslInterval;
 use crate::layered::{self, Interface, Layer, Model, Stack};
 use crate::material::{metal::METALS, patina, stack::built_in};
 use crate::real::Real;
+use crate::table::{DistributionTable, ENTRIES, FresnelTable, Mapping, SIDE};
 use crate::{absorption, diffuse, distribution, fresnel, masking, microfacet, phong, refraction, sampling, walk};
 use std::sync::OnceLock;
 
@@ -256,9 +257,79 @@ fn coupled_table() -> &'static StackTable {
     TABLE.get_or_init(|| StackTable::new(Model::Coupled))
 }
 
-/// What a linked twin reads of the stacks that are compared.
+/// What a linked twin reads of the stacks and texels that are compared.
 pub fn buffers(source: &str) -> &'static StackBuffers {
-    if source.contains("coupled_row(") { &coupled_table().buffers } else { &stack_table().buffers }
+    if source.contains("coupled_row(") {
+        &coupled_table().buffers
+    } else if source.contains("fresnel_texel(") || source.contains("distribution_texel(") {
+        let mapping = if source.contains("_over_root(") { Mapping::Root } else { Mapping::Angle };
+        &texel_table(mapping).buffers
+    } else {
+        &stack_table().buffers
+    }
+}
+
+/// Tables of F and of D of a mapping that are compared, and their texels.
+struct TexelTable {
+    buffers: StackBuffers,
+    fresnel: Vec<FresnelTable<3>>,
+    distribution: Vec<DistributionTable>,
+}
+
+impl TexelTable {
+    fn new(mapping: Mapping, columns: usize, rows: usize, least: f64) -> Self {
+        let metals = METALS.iter().map(|metal| (metal.n, metal.k));
+        let dielectrics = [1.01, 1.33, 2.42].map(|n| ([n; 3], [0.0; 3]));
+        let materials = metals.chain(dielectrics).zip([ENTRIES, ENTRIES, 37, 2].into_iter().cycle());
+        let fresnel = materials.flat_map(|((n, k), entries)| FresnelTable::new(n, k, entries, mapping)).collect();
+        let distribution = DistributionTable::new(columns, rows, least, mapping).into_iter().collect();
+        let mut table = TexelTable { buffers: StackBuffers::default(), fresnel, distribution };
+        // Smaller tables too lie in rows as long as those of the printed ones.
+        for (row, one) in (1..).zip(&table.fresnel) {
+            let texels = one.entries().iter().map(|[r, g, b]| [*r, *g, *b, 1.0].map(f64::from));
+            table.buffers.fresnel.extend(texels);
+            table.buffers.fresnel.resize(row * ENTRIES, [0.0; 4]);
+        }
+        let texels = table.distribution.iter().flat_map(|one| one.texels().chunks(columns));
+        for (row, texels) in (1..).zip(texels) {
+            table.buffers.distribution.extend(texels.iter().copied().map(f64::from));
+            table.buffers.distribution.resize(row * SIDE, 0.0);
+        }
+        table
+    }
+}
+
+fn texel_table(mapping: Mapping) -> &'static TexelTable {
+    static TABLES: [OnceLock<TexelTable>; 2] = [const { OnceLock::new() }; 2];
+    match mapping {
+        Mapping::Angle => TABLES[0].get_or_init(|| TexelTable::new(mapping, SIDE, SIDE, 2.3e-3)),
+        Mapping::Root => TABLES[1].get_or_init(|| TexelTable::new(mapping, 300, 200, 1e-4)),
+    }
+}
+
+/// A cosine, the row of a table of F and its entries.
+fn cosine_and_row(d: &mut Draw, mapping: Mapping) -> Vec<f64> {
+    let tables = &texel_table(mapping).fresnel;
+    let row = ((d.unit() * tables.len() as f64) as usize).min(tables.len() - 1);
+    flat![d.fraction(), row as f64, tables[row].entries().len() as f64]
+}
+
+fn tabulated_fresnel<R: Real>(a: &[R], mapping: Mapping) -> [R; 3] {
+    texel_table(mapping).fresnel[a[1].to_f64() as usize].reflectance(a[0])
+}
+
+/// A half vector, a width, and the shape of the table of D.
+fn half_width_and_shape(d: &mut Draw, mapping: Mapping) -> Vec<f64> {
+    let mut arguments = half_and_width(d);
+    for shape in texel_table(mapping).distribution.iter().map(DistributionTable::shape) {
+        arguments.extend(flat![f64::from(shape.columns), f64::from(shape.rows)]);
+        arguments.extend(flat![f64::from(shape.least), f64::from(shape.rate)]);
+    }
+    arguments
+}
+
+fn tabulated_distribution<R: Real>(a: &[R], mapping: Mapping) -> Vec<R> {
+    texel_table(mapping).distribution.iter().map(|table| table.evaluate(at(a, 0), a[3])).collect()
 }
 
 /// The value of the coupled model; 0 where no stack begins at `first`.
@@ -482,6 +553,13 @@ pub fn twins() -> Vec<Twin> {
             [b.x, b.y, b.z, cosine]
         }),
         walk_twin(),
+
+        twin!(table::fresnel_over_angle / 3, |d| cosine_and_row(d, Mapping::Angle), |a| tabulated_fresnel(a, Mapping::Angle)),
+        twin!(table::fresnel_over_root / 3, |d| cosine_and_row(d, Mapping::Root), |a| tabulated_fresnel(a, Mapping::Root)),
+        twin!(table::beckmann_over_angle / 3, |d| half_width_and_shape(d, Mapping::Angle),
+            |a| tabulated_distribution(a, Mapping::Angle)),
+        twin!(table::beckmann_over_root / 3, |d| half_width_and_shape(d, Mapping::Root),
+            |a| tabulated_distribution(a, Mapping::Root)),
 
         twin!(patina::patina_extent / 3, |d| flat![d.between(-1.0, 2.0), d.fraction(), d.fraction()],
             |a| [patina::patina_extent(a[0], a[1], a[2])]),

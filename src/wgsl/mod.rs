@@ -64,7 +64,7 @@ macro_rules! modules {
 #[rustfmt::skip]
 pub const MODULES: &[(&str, &str)] = modules![
     "absorption", "diffuse", "distribution", "fresnel", "fresnel_fit", "layered", "masking", "microfacet", "patina", "phong", "random",
-    "real", "refraction", "sampling", "walk",
+    "real", "refraction", "sampling", "table", "walk",
 ];
 
 /// The text of one module, as written: with its imports.

@@ -1,7 +1,7 @@
 //! E §3.1's tables: F over the angle in 128 × 8 bit, D over angle and roughness in 512 × 512 × 16 bit.
 //!
-//! The crate evaluates both terms and has no tables; these stand here to measure what they would cost. Texels lie at the
-//! ends of the range, texel i of n at i/(n−1), and are interpolated linearly.
+//! These stand apart from those of `brdf::table`, which `tests/tables.rs` measures. Texels lie at the ends of the range, texel i
+//! of n at i/(n−1), and are interpolated linearly.
 
 use crate::elek::index;
 use crate::record::{Erratum, Measurement};
@@ -103,7 +103,7 @@ pub(crate) fn errata() -> Vec<Erratum> {
         printed: "\"on the coordinate u the texture holds a value of D which would be stored in the linearly-mapped texture on the \
                   coordinate uˣ\", x = 8, \"since u⁸ can be computed in 3 multiplications\"",
         correct: "texel u holds D at α = u⁸·π/2; it is *looked up* at u = (2α/π)^(1/8), three square roots — not at u = NH⁸",
-        right: "`distribution::beckmann` and `fresnel::conductor`, evaluated; the tables exist in this test only",
+        right: "`distribution::beckmann` and `fresnel::conductor`, evaluated; `table::DistributionTable` looks up at the eighth root",
         note: "Errors of D are relative to its peak D(0, m), of F absolute, over all angles; rows of m .0023, .005, .01, .02, .05, .1, .3, \
                .5 and 1; F for the nine indices of App. A, n = 1.5 and n = 1.33. D carries its 1/π; without it, as E prints it, f16 \
                overflows for m < .0039. \

@@ -1,0 +1,108 @@
+//! Stages in a row, and one evaluation through them.
+
+use super::interface::{AnyConductor, AnyDielectric, Conductor, Dielectric, Each, Fitted, Grey};
+use super::stage::{Absorption, Base, Lobe, Passage, Ray};
+use crate::frame::Vector;
+use crate::layered::Model;
+use crate::real::{Mask, Real};
+use alloc::vec::Vec;
+
+/// The Fresnel term of an interface in the cheapest form that is exact there, or fitted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Surface<const K: usize> {
+    Dielectric(Dielectric),
+    AnyDielectric(AnyDielectric),
+    GreyConductor(Grey<Conductor>),
+    Conductors(Each<Conductor, K>),
+    AnyConductors(Each<AnyConductor, K>),
+    Fit8(Fitted<K, 8>),
+    Fit12(Fitted<K, 12>),
+}
+
+/// How an interface is passed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Way<const K: usize> {
+    Dielectric(Dielectric),
+    AnyDielectric(AnyDielectric),
+    AnyConductors(Each<AnyConductor, K>),
+    Fit8(Fitted<K, 8>),
+    Fit12(Fitted<K, 12>),
+}
+
+/// One step of an evaluation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Stage<const K: usize> {
+    Reflect { lobe: Lobe, surface: Surface<K> },
+    Pass { passage: Passage, way: Way<K>, model: Model },
+    Absorb(Absorption<K>),
+    Lambert(Base<K>),
+    OrenNayar { base: Base<K>, about_half: bool },
+}
+
+/// Calls a closure-like body with the surface's own type.
+macro_rules! with_surface {
+    ($surface:expr, $fresnel:ident => $body:expr) => {
+        match $surface {
+            $crate::plan::chain::Surface::Dielectric($fresnel) => $body,
+            $crate::plan::chain::Surface::AnyDielectric($fresnel) => $body,
+            $crate::plan::chain::Surface::GreyConductor($fresnel) => $body,
+            $crate::plan::chain::Surface::Conductors($fresnel) => $body,
+            $crate::plan::chain::Surface::AnyConductors($fresnel) => $body,
+            $crate::plan::chain::Surface::Fit8($fresnel) => $body,
+            $crate::plan::chain::Surface::Fit12($fresnel) => $body,
+        }
+    };
+}
+/// Calls a closure-like body with the way's own type.
+macro_rules! with_way {
+    ($way:expr, $fresnel:ident => $body:expr) => {
+        match $way {
+            $crate::plan::chain::Way::Dielectric($fresnel) => $body,
+            $crate::plan::chain::Way::AnyDielectric($fresnel) => $body,
+            $crate::plan::chain::Way::AnyConductors($fresnel) => $body,
+            $crate::plan::chain::Way::Fit8($fresnel) => $body,
+            $crate::plan::chain::Way::Fit12($fresnel) => $body,
+        }
+    };
+}
+pub(crate) use {with_surface, with_way};
+
+impl<const K: usize> Stage<K> {
+    /// Takes one evaluation a step further. `wi` and `wo` are its directions above the stack.
+    #[inline(always)]
+    fn step<W: Real<Wide = W>>(&self, ray: &mut Ray<W, K>, wi: Vector<W>, wo: Vector<W>) {
+        let top = (wi.z, wo.z);
+        match self {
+            Stage::Reflect { lobe, surface } => with_surface!(surface, fresnel => lobe.reflect(ray, fresnel)),
+            Stage::Pass { passage, way, model } => with_way!(way, fresnel => match model {
+                Model::Elek => passage.elek(ray, top, fresnel),
+                Model::WeidlichWilkie => passage.weidlich_wilkie(ray, fresnel),
+                _ => passage.conserve(ray, top, fresnel),
+            }),
+            Stage::Absorb(medium) => medium.absorb(ray),
+            Stage::Lambert(base) => base.lambert(ray),
+            Stage::OrenNayar { base, about_half } => base.oren_nayar(ray, wi, wo, *about_half),
+        }
+    }
+}
+
+/// The stages of channels that share their directions.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Chain<const K: usize> {
+    pub(crate) stages: Vec<Stage<K>>,
+}
+
+impl<const K: usize> Chain<K> {
+    /// f of one pair of directions.
+    #[inline]
+    pub(crate) fn evaluate<W: Real<Wide = W>>(&self, wi: Vector<W>, wo: Vector<W>) -> [W; K] {
+        let mut ray = Ray::new(wi, wo);
+        for stage in &self.stages {
+            if !ray.arrives().any() {
+                break;
+            }
+            stage.step(&mut ray, wi, wo);
+        }
+        ray.f
+    }
+}

@@ -1,0 +1,308 @@
+//! What must be computed of a stack, and nothing else.
+//!
+//! A [`Plan`] is made from a [`Stack`] once and evaluated often: constants are folded, what the stack does not need is left out
+//! by named [`Rule`]s, and what remains is a row of stages. It drives the scalar evaluation ([`Plan::evaluate`]), the batches
+//! ([`Plan::evaluate_batch`], [`Plan::evaluate_view`]) and the shader that is specialised to it.
+//!
+//! ```
+//! use brdf::layered::{Interface, Layer, Model, Stack};
+//! use brdf::plan::{Plan, Rule};
+//! use brdf::Vector;
+//!
+//! let copper = Interface::conductor([0.213, 1.04, 1.17], [4.05, 2.59, 2.36], 0.3);
+//! let coated = vec![Layer::new(Interface::dielectric(1.5, 0.1)), Layer::new(copper)];
+//! let stack = Stack::<f64, 3>::new(Model::Conserving, coated)?;
+//! let plan = Plan::new(&stack)?;
+//! assert!(plan.applied().iter().any(|applied| applied.rule == Rule::ClearMedium));
+//!
+//! let (wi, wo) = (Vector::from_angles(0.4, 0.0), Vector::from_angles(0.5, 2.0));
+//! let (planned, general) = (plan.evaluate(wi, wo), stack.evaluate(wi, wo));
+//! assert!(planned.iter().zip(general).all(|(a, b): (&f64, f64)| (a - b).abs() <= 1e-12 * b));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub(crate) mod chain;
+mod interface;
+mod rule;
+pub(crate) mod stage;
+
+use crate::fresnel::Fit;
+use crate::frame::Vector;
+use crate::layered::{Interface, Layer, Model, Stack};
+use crate::real::Real;
+use alloc::vec::Vec;
+use chain::{Chain, Stage, Surface, Way};
+use core::fmt;
+use interface::{AnyConductor, AnyDielectric, Conductor, Dielectric, Each, Fitted, Grey};
+pub use rule::{Applied, Rule};
+use stage::{Absorption, Base, Lobe, Passage};
+
+/// The depth 2τ from which a medium counts as opaque.
+const OPAQUE: f64 = 87.0;
+
+/// A stack prepared for evaluation under a closed-form model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan<const C: usize> {
+    model: Model,
+    chains: Chains<C>,
+    applied: Vec<Applied>,
+}
+
+/// The channels, by whether they share their directions.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Chains<const C: usize> {
+    Together(Chain<C>),
+    Apart(Vec<Chain<1>>),
+}
+
+/// A model that has no plan: [`Model::Coupled`] needs its tables and [`Model::Walk`] chance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotClosedForm(
+    /// The model that was asked for.
+    pub Model,
+);
+
+impl fmt::Display for NotClosedForm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the model {} has no closed form; plans are made for", self.0.name())?;
+        Model::CLOSED_FORM.iter().try_for_each(|model| write!(f, " {}", model.name()))
+    }
+}
+
+impl core::error::Error for NotClosedForm {}
+
+impl<const C: usize> Plan<C> {
+    /// The plan of a stack, exact.
+    ///
+    /// # Errors
+    /// Where the stack's model has no closed form.
+    pub fn new<R: Real>(stack: &Stack<R, C>) -> Result<Self, NotClosedForm> {
+        Self::with_error(stack, 0.0)
+    }
+
+    /// The plan of a stack with the Fresnel terms of its conductors fitted ([`Fit`]) where the largest error of F is at most
+    /// `max_error`: the smallest of the fits of 8 and 12 coefficients that does, exact where neither does.
+    ///
+    /// # Errors
+    /// As [`Plan::new`].
+    pub fn with_error<R: Real>(stack: &Stack<R, C>, max_error: f64) -> Result<Self, NotClosedForm> {
+        let model = stack.model();
+        if !Model::CLOSED_FORM.contains(&model) {
+            return Err(NotClosedForm(model));
+        }
+        let layers: Vec<Layer<f64, C>> = stack.effective_layers().iter().map(Layer::cast).collect();
+        let mut applied = Vec::new();
+        let chains = if crate::layered::model::disperses(&layers) {
+            let channel = |c: usize| {
+                let layers: Vec<Layer<f64, 1>> = layers.iter().map(|layer| one_channel(layer, c)).collect();
+                let mut own = Vec::new();
+                let chain = Builder { model, max_error, applied: &mut own }.chain(&layers);
+                (chain, own)
+            };
+            let (chains, found): (Vec<_>, Vec<_>) = (0..C).map(channel).unzip();
+            // A rule that applied to every channel.
+            if let Some((first, others)) = found.split_first() {
+                applied.extend(first.iter().filter(|one| others.iter().all(|found| found.contains(one))));
+            }
+            Chains::Apart(chains)
+        } else {
+            if C > 1 && layers.len() > 1 {
+                applied.push(Applied { rule: Rule::SharedDirections, layer: 0 });
+            }
+            Chains::Together(Builder { model, max_error, applied: &mut applied }.chain(&layers))
+        };
+        applied.sort_by_key(|applied| (applied.layer, applied.rule));
+        Ok(Plan { model, chains, applied })
+    }
+
+    /// The model that it evaluates.
+    pub fn model(&self) -> Model {
+        self.model
+    }
+
+    /// What was left out, from the top.
+    pub fn applied(&self) -> &[Applied] {
+        &self.applied
+    }
+
+    pub(crate) fn chains(&self) -> &Chains<C> {
+        &self.chains
+    }
+
+    /// The BRDF in sr⁻¹ for a pair of local unit directions, as [`Stack::evaluate`]. 0 where either is at or below the horizon;
+    /// cosines below 1e-18 count as the horizon.
+    ///
+    /// Error in f32: ≤ 0.6 ULP for two layers and f > 1e-8, as [`Stack::evaluate`].
+    #[inline]
+    pub fn evaluate<R: Real>(&self, wi: impl Into<Vector<R>>, wo: impl Into<Vector<R>>) -> [R; C] {
+        let (wi, wo) = (wi.into().widen(), wo.into().widen());
+        match &self.chains {
+            Chains::Together(chain) => chain.evaluate(wi, wo).map(R::narrow),
+            Chains::Apart(chains) => {
+                let mut f = [R::ZERO; C];
+                for (f, chain) in f.iter_mut().zip(chains) {
+                    let [one] = chain.evaluate(wi, wo);
+                    *f = R::narrow(one);
+                }
+                f
+            }
+        }
+    }
+}
+
+/// A layer with one of its channels.
+fn one_channel<const C: usize>(layer: &Layer<f64, C>, c: usize) -> Layer<f64, 1> {
+    let interface = match layer.interface {
+        Interface::Microfacet { n, k, alpha } => Interface::conductor([n[c]], [k[c]], alpha),
+        Interface::Diffuse { albedo, sigma } => Interface::diffuse([albedo[c]], sigma),
+    };
+    Layer::new(interface).over([layer.medium.sigma[c]], layer.medium.thickness)
+}
+
+/// Makes the stages of a chain, and notes the rules that apply.
+struct Builder<'a> {
+    model: Model,
+    max_error: f64,
+    applied: &'a mut Vec<Applied>,
+}
+
+impl Builder<'_> {
+    fn chain<const K: usize>(mut self, layers: &[Layer<f64, K>]) -> Chain<K> {
+        let compressed = self.model == Model::Conserving;
+        let mut stages: Vec<Stage<K>> = Vec::new();
+        let (mut n_above, mut widest) = (1.0, 0.0f64);
+        if let [_] = layers {
+            self.note(Rule::SingleInterface, 0);
+        }
+        for (position, layer) in layers.iter().enumerate() {
+            let last = position + 1 == layers.len();
+            match layer.interface {
+                Interface::Diffuse { albedo, sigma } => {
+                    let base = Base { albedo, sigma, n_above, compressed };
+                    if albedo == [0.0; K] {
+                        self.note(Rule::BlackBase, position);
+                    } else if sigma == 0.0 {
+                        self.note(Rule::FlatBase, position);
+                        stages.push(Stage::Lambert(base));
+                    } else {
+                        stages.push(Stage::OrenNayar { base, about_half: self.model == Model::WeidlichWilkie });
+                    }
+                    break;
+                }
+                Interface::Microfacet { n, k, alpha } => {
+                    let dielectric = k == [0.0; K];
+                    widest = widest.max(alpha);
+                    let alpha = if self.model == Model::Elek { widest } else { alpha };
+                    // Elek's Fresnel terms take the absolute index.
+                    let reference = if self.model == Model::Elek { 1.0 } else { n_above };
+                    if dielectric && n == [n_above; K] && n_above == reference {
+                        self.note(Rule::MatchedIndices, position);
+                    } else {
+                        let grey = n == [n[0]; K] && k == [k[0]; K];
+                        if dielectric {
+                            self.note(Rule::NoConductor, position);
+                        }
+                        if grey && K > 1 {
+                            self.note(Rule::GreyInterface, position);
+                        }
+                        let surface = self.surface(n, k, n_above, reference);
+                        stages.push(Stage::Reflect { lobe: Lobe::new(alpha, n_above, compressed), surface });
+                        if !last {
+                            let way = self.way(n, k, n_above, reference);
+                            let passage = Passage::new(n_above, n[0]);
+                            stages.push(Stage::Pass { passage, way, model: self.model });
+                        }
+                    }
+                    n_above = n[0];
+                    let depth = layer.medium.sigma.map(|sigma| sigma * layer.medium.thickness);
+                    if last {
+                        if depth != [0.0; K] {
+                            self.note(Rule::LastMedium, position);
+                        }
+                    } else if depth == [0.0; K] {
+                        self.note(Rule::ClearMedium, position);
+                    } else {
+                        match stages.last_mut() {
+                            // Nothing between this medium and the one above: they are one.
+                            Some(Stage::Absorb(medium)) => {
+                                for (sum, depth) in medium.depth.iter_mut().zip(depth) {
+                                    *sum += n_above * depth;
+                                }
+                            }
+                            _ => stages.push(Stage::Absorb(Absorption { depth: depth.map(|depth| n_above * depth) })),
+                        }
+                        if depth.iter().all(|depth| 2.0 * depth >= OPAQUE) {
+                            self.note(Rule::OpaqueMedium, position);
+                            break;
+                        }
+                    }
+                }
+            }
+        }
+        // What carries light to where nothing reflects any more.
+        while let Some(Stage::Pass { .. } | Stage::Absorb(_)) = stages.last() {
+            stages.pop();
+        }
+        Chain { stages }
+    }
+
+    fn note(&mut self, rule: Rule, layer: usize) {
+        self.applied.push(Applied { rule, layer });
+    }
+
+    /// A fit of the indices relative to `reference`, by the smallest polynomial that is good enough.
+    fn fit<const K: usize, const N: usize>(&self, n: [f64; K], k: [f64; K], reference: f64) -> Option<Fit<K, N>> {
+        let fit = Fit::new(n.map(|n| n / reference), k.map(|k| k / reference)).ok()?;
+        fit.max_error.iter().all(|error| *error <= self.max_error).then_some(fit)
+    }
+
+    /// The cheapest form of what an interface reflects.
+    fn surface<const K: usize>(&self, n: [f64; K], k: [f64; K], n_above: f64, reference: f64) -> Surface<K> {
+        let grey = n == [n[0]; K] && k == [k[0]; K];
+        if grey && k[0] == 0.0 {
+            let eta = n[0] / reference;
+            return match Dielectric::new(eta * n_above, n_above) {
+                Some(dielectric) => Surface::Dielectric(dielectric),
+                None => Surface::AnyDielectric(AnyDielectric { eta, n_above }),
+            };
+        }
+        if self.max_error > 0.0 {
+            if let Some(fit) = self.fit(n, k, reference) {
+                return Surface::Fit8(Fitted { fit, n_above });
+            }
+            if let Some(fit) = self.fit(n, k, reference) {
+                return Surface::Fit12(Fitted { fit, n_above });
+            }
+        }
+        // Relative to the medium above in the optical cosines' terms: for Elek's absolute indices n·A and k·A.
+        let scale = n_above / reference;
+        let fast = core::array::from_fn::<_, K, _>(|c| Conductor::new(scale * n[c], scale * k[c], n_above));
+        if fast.iter().all(Option::is_some) {
+            if let (true, Some(first)) = (grey, fast[0]) {
+                return Surface::GreyConductor(Grey(first));
+            }
+            let mut each = Vec::with_capacity(K);
+            each.extend(fast.into_iter().flatten());
+            if let Ok(each) = each.try_into() {
+                return Surface::Conductors(Each(each));
+            }
+        }
+        Surface::AnyConductors(self.any(n, k, n_above, reference))
+    }
+
+    fn any<const K: usize>(&self, n: [f64; K], k: [f64; K], n_above: f64, reference: f64) -> Each<AnyConductor, K> {
+        let one = |c: usize| AnyConductor { eta: n[c] / reference, kappa: k[c] / reference, n_above };
+        Each(core::array::from_fn(one))
+    }
+
+    /// The cheapest form of what an interface lets through.
+    fn way<const K: usize>(&self, n: [f64; K], k: [f64; K], n_above: f64, reference: f64) -> Way<K> {
+        match self.surface(n, k, n_above, reference) {
+            Surface::Dielectric(dielectric) => Way::Dielectric(dielectric),
+            Surface::AnyDielectric(dielectric) => Way::AnyDielectric(dielectric),
+            Surface::Fit8(fit) => Way::Fit8(fit),
+            Surface::Fit12(fit) => Way::Fit12(fit),
+            _ => Way::AnyConductors(self.any(n, k, n_above, reference)),
+        }
+    }
+}
