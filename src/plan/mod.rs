@@ -26,8 +26,8 @@ mod interface;
 mod rule;
 pub(crate) mod stage;
 
-use crate::fresnel::Fit;
 use crate::frame::Vector;
+use crate::fresnel::Fit;
 use crate::layered::{Interface, Layer, Model, Stack};
 use crate::real::Real;
 use alloc::vec::Vec;

@@ -141,8 +141,8 @@ impl Lobe {
         let fractions = fresnel.reflectance(half_squared, half);
         for channel in 0..K {
             let (numerator, denominator) = fractions[channel];
-            ray.f[channel] = (ray.weight[channel] * visible)
-                .mul_add(numerator / (denominator * cavity), ray.f[channel]);
+            ray.f[channel] =
+                (ray.weight[channel] * visible).mul_add(numerator / (denominator * cavity), ray.f[channel]);
         }
     }
 
@@ -334,7 +334,8 @@ impl<const K: usize> Base<K> {
             let part = |w: W, h: W| W::select(lit, h.mul_add(bend, w) * inverse, W::ZERO);
             Vector::new(part(w.x, h.x), part(w.y, h.y), W::select(lit, cos * inverse, W::ONE))
         };
-        let base = diffuse::oren_nayar_wide::<_, W>(below(wi, ray.cos_i), below(wo, ray.cos_o), W::from_f64(self.sigma));
+        let base =
+            diffuse::oren_nayar_wide::<_, W>(below(wi, ray.cos_i), below(wo, ray.cos_o), W::from_f64(self.sigma));
         for channel in 0..K {
             let albedo = W::from_f64(self.albedo[channel]);
             let f = base.f(albedo) * W::from_f64(self.scale());

@@ -2,6 +2,7 @@
 
 mod chart;
 mod clock;
+mod document;
 mod host;
 mod layered;
 mod machine;
@@ -26,6 +27,8 @@ enum Subject {
     Layered(layered::Options),
     /// The measured peak of this processor: multiply-adds, divides, roots and copying.
     Machine(machine::Options),
+    /// Writes docs/performance.md and its charts from measurements made now.
+    Document(document::Options),
 }
 
 pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
@@ -33,5 +36,6 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
         Subject::Terms(options) => terms::run(options),
         Subject::Layered(options) => layered::run(options),
         Subject::Machine(options) => machine::run(options),
+        Subject::Document(options) => document::run(options),
     }
 }

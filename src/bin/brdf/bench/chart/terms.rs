@@ -148,27 +148,30 @@ fn width(text: &str) -> i32 {
 }
 
 fn legend(area: &Area<'_>, chart: &Plane<'_>, ways: &[Way]) -> Result<(), Failed> {
-    let (right, top, lines) = legend_place(chart, ways);
+    let (left, top, ..) = legend_place(chart, ways);
     let font = ("sans-serif", TYPE).into_font();
-    for (index, (way, line)) in ways.iter().zip(&lines).enumerate() {
-        let y = top + 20 + index as i32 * 36;
-        mark(area, (right - width(line) - 30, y), ways, way, RGBColor(90, 90, 90))?;
-        area.draw(&Text::new(line.clone(), (right - width(line), y - TYPE / 2), font.clone()))?;
+    let mut y = top + 20;
+    for way in ways {
+        mark(area, (left + 20, y), ways, way, RGBColor(90, 90, 90))?;
+        area.draw(&Text::new(way.label(), (left + 50, y - TYPE / 2), font.clone()))?;
+        y += LINE;
     }
-    let y = top + 20 + ways.len() as i32 * 36;
-    let text = FRONT;
-    let left = right - width(text);
-    area.draw(&PathElement::new(vec![(left - 48, y), (left - 12, y)], BLACK.mix(0.35).stroke_width(3)))?;
-    area.draw(&Text::new(text, (left, y - TYPE / 2), font))?;
+    area.draw(&PathElement::new(vec![(left + 2, y), (left + 38, y)], BLACK.mix(0.35).stroke_width(3)))?;
+    area.draw(&Text::new(FRONT, (left + 50, y - TYPE / 2), font))?;
     Ok(())
 }
 
+/// The height of a line of the legend.
+const LINE: i32 = 36;
+
 const FRONT: &str = "what no variant beats in both, for each way";
 
-/// The right and top edges of the legend, and its lines.
-fn legend_place(chart: &Plane<'_>, ways: &[Way]) -> (i32, i32, Vec<String>) {
+/// The box of the legend, at the upper right.
+fn legend_place(chart: &Plane<'_>, ways: &[Way]) -> Rectangle {
     let (_, top) = chart.plotting_area().get_base_pixel();
-    (WIDTH as i32 - 40, top, ways.iter().map(Way::label).collect())
+    let widest = ways.iter().map(|way| width(&way.label())).chain([width(FRONT)]).max().unwrap_or(0);
+    let right = WIDTH as i32 - 24;
+    (right - widest - 50, top, right, top + 40 + LINE * ways.len() as i32)
 }
 
 /// Writes each variant's name once, beside one of its marks where it covers no other mark or name.
@@ -184,10 +187,7 @@ fn label(
         let shown = row.points.iter().filter(|point| ways.contains(&point.way));
         shown.map(|point| chart.backend_coord(&place(point))).collect()
     };
-    let (right, top, lines) = legend_place(chart, ways);
-    let widest = lines.iter().map(|line| width(line)).chain([width(FRONT)]).max().unwrap_or(0);
-    let mut taken: Vec<Rectangle> =
-        vec![(right - widest - 60, top, WIDTH as i32, top + 40 + 36 * (lines.len() as i32 + 1))];
+    let mut taken = vec![legend_place(chart, ways)];
     taken.extend(rows.iter().flat_map(&marks).map(|(x, y)| (x - 13, y - 13, x + 13, y + 13)));
     let (columns, lines) = chart.plotting_area().get_pixel_range();
     for (index, row) in rows.iter().enumerate() {

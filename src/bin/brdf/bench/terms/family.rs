@@ -4,7 +4,6 @@ use super::cpu::{Runner, Shaped};
 use super::formula::*;
 use crate::failure::Failure;
 use brdf::Vector;
-use brdf::fresnel::FitError;
 use brdf::material::metal;
 
 /// How an error is measured.
@@ -75,7 +74,7 @@ macro_rules! variants {
     ($constants:expr, $inputs:literal -> $outputs:literal: $($name:literal $formula:ident $wgsl:literal;)*) => {
         vec![$(Variant {
             name: $name,
-            runner: Box::new(Shaped::<_, $inputs, $outputs>($formula($constants))),
+            runner: Box::new(Shaped::<_, $inputs, $outputs>($formula($constants.clone()))),
             wgsl: $wgsl,
         },)*]
     };
@@ -88,18 +87,18 @@ pub(super) fn families(wanted: &[String]) -> Result<Vec<Family>, Failure> {
     }
     let asked = |name: &str| wanted.is_empty() || wanted.iter().any(|wanted| wanted == name);
     let copper = metal::by_name("copper_elek").ok_or_else(|| "copper_elek is missing".to_owned())?;
-    let unfit = |error: FitError| Failure::from(error.to_string());
+    let unfit = |error: Box<dyn std::error::Error>| Failure::from(error.to_string());
     let copper = Constants::metal(copper).map_err(unfit)?;
     let mut families = Vec::new();
     if asked("fresnel") {
-        families.push(metals(copper));
+        families.push(metals(copper.clone()));
         families.push(glass(Constants::new([1.5; 3], [0.0; 3]).map_err(unfit)?));
     }
     for (name, family) in
         [("distribution", distribution as fn(_) -> _), ("masking", masking), ("diffuse", diffuse), ("whole", whole)]
     {
         if asked(name) {
-            families.push(family(copper));
+            families.push(family(copper.clone()));
         }
     }
     Ok(families)
@@ -116,18 +115,19 @@ fn metals(constants: Constants) -> Family {
         stands_for: None,
         inputs: Inputs::Cosine,
         channels: 3,
-        constants,
         variants: variants! { constants, 1 -> 3:
             "exact conductor" Conductor "return _conductor(a);";
             "Fit 12" FitTwelve "return _fit_twelve(a);";
             "Fit 8" FitEight "return _fit_eight(a);";
-            // The tables of 128 entries belong here.
+            "table, 128 × 8 bits" TableBytes "return _table_bytes(a);";
+            "table, 128 × f32, √cos" TableRoots "return _table_roots(a);";
             "Lazányi, corrected" Lazanyi "return _lazanyi(a);";
             "F82-tint" Tinted "return _tinted(a);";
             "Mihaylov eq. 3.6" ConductorApprox "return _conductor_approx(a);";
             "Lazányi, uncorrected" LazanyiUncorrected "return _lazanyi_uncorrected(a);";
             "Schlick from F0" Schlick "return _schlick(a);";
         },
+        constants,
     }
 }
 
@@ -142,18 +142,19 @@ fn glass(constants: Constants) -> Family {
         stands_for: None,
         inputs: Inputs::Cosine,
         channels: 3,
-        constants,
         variants: variants! { constants, 1 -> 3:
             "exact dielectric" Dielectric "return _dielectric(a);";
             "exact conductor, κ = 0" Conductor "return _conductor(a);";
             "Fit 12" FitTwelve "return _fit_twelve(a);";
             "Fit 8" FitEight "return _fit_eight(a);";
-            // The tables of 128 entries belong here.
+            "table, 128 × 8 bits" TableBytes "return _table_bytes(a);";
+            "table, 128 × f32, √cos" TableRoots "return _table_roots(a);";
             "Lazányi, corrected" Lazanyi "return _lazanyi(a);";
             "F82-tint" Tinted "return _tinted(a);";
             "Mihaylov eq. 3.6" ConductorApprox "return _conductor_approx(a);";
             "Schlick from F0" Schlick "return _schlick(a);";
         },
+        constants,
     }
 }
 
@@ -168,7 +169,6 @@ fn distribution(constants: Constants) -> Family {
         stands_for: Some((0, "as Beckmann's, relative to its peak")),
         inputs: Inputs::Half,
         channels: 1,
-        constants,
         variants: variants! { constants, 3 -> 1:
             "Beckmann" Beckmann "return vec3f(distribution::beckmann(vec3f(a, b, c), _alpha()), 0.0, 0.0);";
             "GGX" Ggx "return vec3f(distribution::ggx(vec3f(a, b, c), _alpha()), 0.0, 0.0);";
@@ -176,6 +176,7 @@ fn distribution(constants: Constants) -> Family {
             "Gaussian" Gaussian
                 "return vec3f(distribution::gaussian(vec3f(a, b, c), _alpha(), _normalisation()), 0.0, 0.0);";
         },
+        constants,
     }
 }
 
@@ -190,7 +191,6 @@ fn masking(constants: Constants) -> Family {
         stands_for: None,
         inputs: Inputs::Lobe,
         channels: 1,
-        constants,
         variants: variants! { constants, 6 -> 1:
             "V-cavity" VCavity "return vec3f(masking::v_cavity(c, f, vec3f(a + d, b + e, c + f)).visibility, 0.0, 0.0);";
             "Kelemen" Kelemen "return vec3f(masking::kelemen(c, f, vec3f(a + d, b + e, c + f)).visibility, 0.0, 0.0);";
@@ -203,6 +203,7 @@ fn masking(constants: Constants) -> Family {
             "Smith Beckmann, separable" SmithBeckmannSeparable
                 "return vec3f(masking::smith_beckmann_separable(vec3f(a, b, c), vec3f(d, e, f), _alpha(), _alpha()).visibility, 0.0, 0.0);";
         },
+        constants,
     }
 }
 
@@ -217,7 +218,6 @@ fn diffuse(constants: Constants) -> Family {
         stands_for: None,
         inputs: Inputs::Pair,
         channels: 1,
-        constants,
         variants: variants! { constants, 6 -> 1:
             "Oren–Nayar, full" OrenNayar
                 "let parts = diffuse::oren_nayar(vec3f(a, b, c), vec3f(d, e, f), _sigma());
@@ -226,6 +226,7 @@ fn diffuse(constants: Constants) -> Family {
                 "return vec3f(diffuse::oren_nayar_qualitative(vec3f(a, b, c), vec3f(d, e, f), _sigma(), _albedo()), 0.0, 0.0);";
             "Lambert" Lambert "return vec3f(select(0.0, diffuse::lambert(_albedo()), c > 0.0 && f > 0.0), 0.0, 0.0);";
         },
+        constants,
     }
 }
 
@@ -240,7 +241,6 @@ fn whole(constants: Constants) -> Family {
         stands_for: None,
         inputs: Inputs::Lobe,
         channels: 3,
-        constants,
         variants: variants! { constants, 6 -> 3:
             "exact conductor" RoughConductor "return _rough(a, b, c, d, e, f) * _conductor(_half(a, b, c, d, e, f));";
             // The same as brdf::plan::Plan prepares it belongs here.
@@ -254,6 +254,7 @@ fn whole(constants: Constants) -> Family {
                 "return _rough(a, b, c, d, e, f) * _lazanyi_uncorrected(_half(a, b, c, d, e, f));";
             "Schlick from F0" RoughSchlick "return _rough(a, b, c, d, e, f) * _schlick(_half(a, b, c, d, e, f));";
         },
+        constants,
     }
 }
 

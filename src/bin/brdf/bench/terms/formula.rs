@@ -2,12 +2,15 @@
 
 use brdf::batch::Kernel;
 use brdf::frame::half_vector;
-use brdf::fresnel::{self, Fit, FitError};
+use brdf::fresnel::{self, Fit};
 use brdf::material::metal::Metal;
+use brdf::table::{ENTRIES, FresnelTable, Mapping, Texel};
 use brdf::{Real, Vector, diffuse, distribution, masking, microfacet};
+use std::error::Error;
+use std::sync::Arc;
 
 /// The constants that every formula reads, f32 numbers all but the fits.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(super) struct Constants {
     pub(super) n: [f32; 3],
     pub(super) k: [f32; 3],
@@ -19,6 +22,10 @@ pub(super) struct Constants {
     exponent: [f32; 3],
     eight: Fit<3, 8>,
     twelve: Fit<3, 12>,
+    /// As printed: 128 entries of 8 bits over the angle.
+    bytes: Arc<FresnelTable<3, u8>>,
+    /// 128 entries over the root of the cosine.
+    roots: Arc<FresnelTable<3>>,
     pub(super) alpha: f32,
     /// Of the Gaussian distribution.
     normalisation: f32,
@@ -28,11 +35,11 @@ pub(super) struct Constants {
 }
 
 impl Constants {
-    pub(super) fn metal(metal: &Metal) -> Result<Self, FitError> {
+    pub(super) fn metal(metal: &Metal) -> Result<Self, Box<dyn Error>> {
         Self::new(metal.n, metal.k)
     }
 
-    pub(super) fn new(n: [f64; 3], k: [f64; 3]) -> Result<Self, FitError> {
+    pub(super) fn new(n: [f64; 3], k: [f64; 3]) -> Result<Self, Box<dyn Error>> {
         let single = |numbers: [f64; 3]| numbers.map(|x| x as f32);
         let double = |numbers: [f32; 3]| numbers.map(f64::from);
         let (n, k) = (single(n), single(k));
@@ -55,6 +62,8 @@ impl Constants {
             exponent: single(lazanyi.map(|fit| fit.exponent)),
             eight: Fit::new(wide_n, wide_k)?,
             twelve: Fit::new(wide_n, wide_k)?,
+            bytes: Arc::new(FresnelTable::new(wide_n, wide_k, ENTRIES, Mapping::Angle)?),
+            roots: Arc::new(FresnelTable::new(wide_n, wide_k, ENTRIES, Mapping::Root)?),
             alpha,
             normalisation: distribution::gaussian_normalisation(f64::from(alpha)) as f32,
             sigma: 0.3,
@@ -75,6 +84,8 @@ impl Constants {
         ];
         rows.extend(self.eight.rows());
         rows.extend(self.twelve.rows());
+        rows.extend(self.bytes.entries().iter().map(|entry| row(entry.map(|x| x.decode() as f32), 0.0)));
+        rows.extend(self.roots.entries().iter().map(|entry| row(*entry, 0.0)));
         rows
     }
 }
@@ -87,6 +98,9 @@ import brdf::distribution;
 import brdf::masking;
 import brdf::diffuse;
 import brdf::microfacet;
+import brdf::table;
+
+fn fresnel_texel(column: u32, row: u32) -> vec3f { return material[26u + 128u * row + column].xyz; }
 
 fn _n() -> vec3f { return material[0].xyz; }
 fn _k() -> vec3f { return material[1].xyz; }
@@ -129,6 +143,8 @@ fn _fit_twelve(c: f32) -> vec3f {
     ));
     return fresnel_fit::evaluate_fine(c, fit).reflectance;
 }
+fn _table_bytes(c: f32) -> vec3f { return table::fresnel_over_angle(c, 0u, 128u); }
+fn _table_roots(c: f32) -> vec3f { return table::fresnel_over_root(c, 1u, 128u); }
 fn _lazanyi(c: f32) -> vec3f {
     let n = _n();
     let k = _k();
@@ -202,7 +218,6 @@ fn rgb<R: Real>(channel: impl Fn(usize) -> R) -> [R; 3] {
 /// Defines formulas over [`Constants`] `m`.
 macro_rules! formulas {
     ($($name:ident($m:ident, $x:pat) [$inputs:literal -> $outputs:literal] $body:expr;)*) => {$(
-        #[derive(Clone, Copy)]
         pub(super) struct $name(pub(super) Constants);
         impl Formula<$inputs, $outputs> for $name {
             #[inline(always)]
@@ -217,6 +232,14 @@ macro_rules! formulas {
 #[inline(always)]
 fn conductor<R: Real>(m: &Constants, c: R) -> [R; 3] {
     rgb(|i| fresnel::conductor(c, number(m.n[i]), number(m.k[i])).reflectance)
+}
+#[inline(always)]
+fn fit_twelve<R: Real>(m: &Constants, c: R) -> [R; 3] {
+    m.twelve.reflectance(c)
+}
+#[inline(always)]
+fn fit_eight<R: Real>(m: &Constants, c: R) -> [R; 3] {
+    m.eight.reflectance(c)
 }
 #[inline(always)]
 fn lazanyi<R: Real>(m: &Constants, c: R) -> [R; 3] {
@@ -248,7 +271,8 @@ fn rough<R: Real>(
 ) -> [R; 3] {
     let (wi, wo) = (Vector::new(ix, iy, iz), Vector::new(ox, oy, oz));
     let lobe = microfacet::facets(wi, wo, number(m.alpha)).lobe;
-    fresnel(m, microfacet::cos_half(wi, wo)).map(|f| f * lobe)
+    let [r, g, b] = fresnel(m, microfacet::cos_half(wi, wo));
+    [r * lobe, g * lobe, b * lobe]
 }
 
 #[inline(always)]
@@ -259,8 +283,10 @@ fn vectors<R: Real>([ix, iy, iz, ox, oy, oz]: [R; 6]) -> (Vector<R>, Vector<R>) 
 formulas! {
     Conductor(m, [c]) [1 -> 3] conductor(m, c);
     Dielectric(m, [c]) [1 -> 3] rgb(|i| fresnel::dielectric(c, number(m.n[i])).reflectance);
-    FitTwelve(m, [c]) [1 -> 3] m.twelve.reflectance(c);
-    FitEight(m, [c]) [1 -> 3] m.eight.reflectance(c);
+    FitTwelve(m, [c]) [1 -> 3] fit_twelve(m, c);
+    FitEight(m, [c]) [1 -> 3] fit_eight(m, c);
+    TableBytes(m, [c]) [1 -> 3] m.bytes.reflectance(c);
+    TableRoots(m, [c]) [1 -> 3] m.roots.reflectance(c);
     Lazanyi(m, [c]) [1 -> 3] lazanyi(m, c);
     LazanyiUncorrected(m, [c]) [1 -> 3] lazanyi_uncorrected(m, c);
     ConductorApprox(m, [c]) [1 -> 3] conductor_approx(m, c);
@@ -314,8 +340,8 @@ formulas! {
     };
 
     RoughConductor(m, x) [6 -> 3] rough(m, x, conductor);
-    RoughFitTwelve(m, x) [6 -> 3] rough(m, x, |m, c| m.twelve.reflectance(c));
-    RoughFitEight(m, x) [6 -> 3] rough(m, x, |m, c| m.eight.reflectance(c));
+    RoughFitTwelve(m, x) [6 -> 3] rough(m, x, fit_twelve);
+    RoughFitEight(m, x) [6 -> 3] rough(m, x, fit_eight);
     RoughLazanyi(m, x) [6 -> 3] rough(m, x, lazanyi);
     RoughTinted(m, x) [6 -> 3] rough(m, x, tinted);
     RoughConductorApprox(m, x) [6 -> 3] rough(m, x, conductor_approx);

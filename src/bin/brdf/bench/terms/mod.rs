@@ -180,6 +180,11 @@ impl Measured {
     pub(super) fn error_name(&self) -> String {
         format!("{} error against {}", self.measure.name(), self.truth)
     }
+
+    /// The adapters that it was run on.
+    pub(super) fn adapters(&self) -> impl Iterator<Item = &str> {
+        self.empty.iter().map(|(adapter, _)| adapter.as_str())
+    }
 }
 
 /// Measures families on the processor and on adapters.
@@ -267,7 +272,7 @@ fn measure_family(family: &Family, gpus: &[Gpu], quick: bool, progress: &Progres
     })
 }
 
-/// Draws each family into a folder, and returns the names of the files.
+/// Draws each family into a folder.
 pub(super) fn draw(measured: &[Measured], folder: &std::path::Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     for family in measured {
