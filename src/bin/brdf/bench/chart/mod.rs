@@ -11,8 +11,8 @@ use plotters::coord::combinators::LogCoord;
 use plotters::prelude::*;
 use std::ops::Range;
 
-// Okabe & Ito's palette, told apart by every kind of eye; black and a brown in place of its yellow, which is lost on white.
-const COLOURS: [RGBColor; 8] = [
+// Okabe & Ito's palette, told apart by every kind of eye; its yellow, which is lost on white, replaced, and two more.
+const COLOURS: [RGBColor; 10] = [
     RGBColor(213, 94, 0),
     RGBColor(230, 159, 0),
     RGBColor(86, 180, 233),
@@ -21,6 +21,8 @@ const COLOURS: [RGBColor; 8] = [
     RGBColor(204, 121, 167),
     RGBColor(0, 0, 0),
     RGBColor(130, 90, 44),
+    RGBColor(112, 60, 170),
+    RGBColor(120, 120, 120),
 ];
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;

@@ -33,7 +33,9 @@ pub(in crate::bench) fn terms(family: &Measured) -> Result<String, Failed> {
     let (least, most) = span(|point| point.error.max);
     // Room for labels at the right, and for the legend above.
     let x = 0.4 * fastest..(slowest * (slowest / fastest).powf(0.25)).max(8.0 * fastest);
-    let y = 0.2 * least..(most * (most / least).powf(0.3)).max(30.0 * least);
+    // The share of the height that the legend takes, at the top.
+    let share = f64::from(60 + LINE * (ways.len() as i32 + 1)) / f64::from(HEIGHT - 200);
+    let y = 0.2 * least..most * (5.0 * most / least).max(10.0).powf(share / (1.0 - share));
     let floor = 0.3 * least;
     let place = |point: &Point| (point.ns, point.error.max.max(floor));
 
