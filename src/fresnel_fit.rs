@@ -152,13 +152,16 @@ impl<const C: usize, const N: usize> Fit<C, N> {
         let b = W::from_f64(self.bend);
         let t = c * (W::ONE + b) / (c + b);
         let u = W::TWO * t - W::ONE;
-        let mut sum = [W::ZERO; C];
-        for row in self.coefficients.iter().rev() {
-            for (sum, coefficient) in sum.iter_mut().zip(row) {
-                *sum = *sum * u + W::from_f64(*coefficient);
+        // Loops, not closures: what runs over vectors must be inlined whole.
+        let mut all = [W::ZERO; C];
+        for channel in 0..C {
+            let mut sum = W::ZERO;
+            for i in (0..N).rev() {
+                sum = sum.mul_add(u, W::from_f64(self.coefficients[i][channel]));
             }
+            all[channel] = (t * sum).saturate();
         }
-        sum.map(|p| (t * p).saturate())
+        all
     }
 }
 

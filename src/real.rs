@@ -98,6 +98,12 @@ pub trait Real:
     fn sqrt(self) -> Self;
     /// eˣ.
     fn exp(self) -> Self;
+    /// eˣ of numbers in [−87, 0]; of others it may be any number.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn exp_within(self) -> Self {
+        self.exp()
+    }
     /// The natural logarithm.
     fn ln(self) -> Self;
     /// |x|.
@@ -160,7 +166,7 @@ pub trait Real:
     #[inline(always)]
     fn exp_product(self, other: Self) -> Self {
         let (product, error) = self.product_exact(other);
-        let value = (-product).exp();
+        let value = (-product).exp_within();
         // exp(−p−e) = exp(−p)(1−e) to e². Past the limit the result would be subnormal, or the error NaN: 0.
         Self::select(product.le(Self::EXP_LIMIT), value - value * error, Self::ZERO)
     }
@@ -194,7 +200,7 @@ pub trait Real:
     #[inline(always)]
     fn exp_product_wide(a: Self::Wide, b: Self::Wide) -> Self::Wide {
         let (product, error) = Self::product_wide(a, b);
-        let value = (-product).exp();
+        let value = (-product).exp_within();
         let inside = product.le(Self::EXP_LIMIT.widen());
         Self::Wide::select(inside, value - value * error, Self::Wide::ZERO)
     }

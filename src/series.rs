@@ -50,7 +50,11 @@ const ERFCX_SINGLE: [f32; 13] = {
 /// The series in f32 throughout. Error: ≤ 7 ULP.
 #[inline(always)]
 pub(crate) fn erfcx_single<R: Real>(x: R) -> R {
-    erfcx_chebyshev(x, &ERFCX_SINGLE.map(|c| R::from_f64(f64::from(c))))
+    let mut coefficients = [R::ZERO; ERFCX_SINGLE.len()];
+    for i in 0..coefficients.len() {
+        coefficients[i] = R::from_f64(f64::from(ERFCX_SINGLE[i]));
+    }
+    erfcx_chebyshev(x, &coefficients)
 }
 
 /// atan(r)/r on [0, 1] as a polynomial in r² of least relative error, 6.3e-15 (Remez's exchange in 50 digits): enough for
@@ -111,9 +115,12 @@ pub(crate) fn angle_short<R: Real>(opposite: R, adjacent: R) -> R {
 /// Σ coefficients[i]·xⁱ.
 #[inline(always)]
 pub(crate) fn horner<R: Real>(x: R, coefficients: &[f32]) -> R {
-    let number = |c: f32| R::from_f64(f64::from(c));
-    let (last, rest) = coefficients.split_last().unwrap_or((&0.0, &[]));
-    rest.iter().rev().fold(number(*last), |sum, c| sum.mul_add(x, number(*c)))
+    // A loop, not a fold: what runs over vectors must be inlined whole, and closures are inlined as the compiler sees fit.
+    let mut sum = R::ZERO;
+    for i in (0..coefficients.len()).rev() {
+        sum = sum.mul_add(x, R::from_f64(f64::from(coefficients[i])));
+    }
+    sum
 }
 
 /// (eʳ − 1 − r)/r² on |r| ≤ ln2/2, relative error of eʳ 2e-8 (Moshier's Cephes 2.8, expf).
@@ -140,8 +147,8 @@ pub(crate) fn erfcx_chebyshev<R: Real>(x: R, coefficients: &[R]) -> R {
     // At x = ∞ the quotient would be NaN; u → 1 there.
     let u = R::select(x.lt(R::from_f64(1e30)), (x - k) / (x + k), R::ONE);
     let (mut b1, mut b2) = (R::ZERO, R::ZERO);
-    for &c in coefficients[1..].iter().rev() {
-        (b1, b2) = (R::TWO * u * b1 - b2 + c, b1);
+    for i in (1..coefficients.len()).rev() {
+        (b1, b2) = (R::TWO * u * b1 - b2 + coefficients[i], b1);
     }
     (u * b1 - b2 + coefficients[0]) / (R::ONE + R::TWO * x)
 }

@@ -5,8 +5,9 @@
 //! each unit of an exponent. Nothing in it branches or calls: in a loop over many evaluations the compiler turns it into
 //! vector instructions, which is what [`batch`](crate::batch) is made of.
 
+use crate::batch::lanes;
 use crate::real::{Real, Sealed};
-use crate::series::{EXP_SINGLE, LN_SINGLE, angle_short, erfcx_single, horner};
+use crate::series::{angle_short, erfcx_single};
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// An f32 whose terms compute in f32 throughout; `FUSED` where the processor is known to multiply and add in one instruction.
@@ -69,28 +70,6 @@ impl<const FUSED: bool> From<Single<FUSED>> for f32 {
     }
 }
 
-impl<const FUSED: bool> Single<FUSED> {
-    /// The number's fraction in [√½, √2) and its power of two; a normal number > 0.
-    #[inline(always)]
-    fn split(self) -> (Self, Self) {
-        // The exponent of x/√½, so that the fraction is centred on 1.
-        let shifted = self.0.to_bits().wrapping_sub(core::f32::consts::FRAC_1_SQRT_2.to_bits());
-        let power = (shifted as i32) >> 23;
-        let fraction = self.0.to_bits().wrapping_sub((power as u32) << 23);
-        (Single(f32::from_bits(fraction)), Single(power as f32))
-    }
-
-    /// ln(1+x) + power·ln 2 for 1+x in [√½, √2].
-    #[inline(always)]
-    fn ln_near_one(x: Self, power: Self) -> Self {
-        let square = x * x;
-        let rest = x * square * horner(x, &LN_SINGLE);
-        let low = power.mul_add(Single(-2.121_944_4e-4), rest);
-        let low = square.mul_add(Single(-0.5), low);
-        power.mul_add(Single(0.693_359_375), x + low)
-    }
-}
-
 impl<const FUSED: bool> Sealed for Single<FUSED> {}
 impl<const FUSED: bool> Real for Single<FUSED> {
     type Mask = bool;
@@ -128,27 +107,16 @@ impl<const FUSED: bool> Real for Single<FUSED> {
     /// 0 below −87.3, where the result would be subnormal, and infinite above 88. Error: ≤ 1 ULP.
     #[inline(always)]
     fn exp(self) -> Self {
-        // x = power·ln 2 + r, |r| ≤ ln2/2: adding 1.5·2²³ rounds to a whole number, which is left in the low bits.
-        let magic = Single(12_582_912.0);
-        let shifted = self.mul_add(Single(core::f32::consts::LOG2_E), magic);
-        let power = shifted - magic;
-        // ln 2 in two parts, the first short enough for an exact product.
-        let r = power.mul_add(Single(-0.693_359_375), self);
-        let r = power.mul_add(Single(2.121_944_4e-4), r);
-        let value = Self::ONE + (r * r).mul_add(horner(r, &EXP_SINGLE), r);
-        let scale = f32::from_bits(shifted.0.to_bits().wrapping_add(127) << 23);
-        let value = value * Single(scale);
-        let value = Self::select(self.0 < -87.3, Self::ZERO, value);
-        Self::select(self.0 > 88.0, Single(f32::INFINITY), value)
+        lanes::exp(self)
+    }
+    #[inline(always)]
+    fn exp_within(self) -> Self {
+        lanes::exp_within(self)
     }
     /// −∞ at 0 and for subnormal numbers, NaN below. Error: ≤ 2 ULP.
     #[inline(always)]
     fn ln(self) -> Self {
-        let (fraction, power) = self.split();
-        let value = Self::ln_near_one(fraction - Self::ONE, power);
-        let value = Self::select(self.0 < f32::MIN_POSITIVE, Single(f32::NEG_INFINITY), value);
-        let value = Self::select(self.0 < 0.0, Single(f32::NAN), value);
-        Self::select(self.0 < f32::INFINITY, value, self)
+        lanes::ln(self)
     }
     #[inline(always)]
     fn abs(self) -> Self {
@@ -195,18 +163,7 @@ impl<const FUSED: bool> Real for Single<FUSED> {
     /// Error: ≤ 2 ULP for x ≥ −1/2.
     #[inline(always)]
     fn ln_one_plus(self) -> Self {
-        let sum = Self::ONE + self;
-        let (fraction, power) = sum.split();
-        // What the sum rounded off, in units of its power of two; near 1 the argument itself.
-        let lost = Self::select(sum.0 > 2.0, Self::ONE - (sum - self), self - (sum - Self::ONE));
-        let near = self.0 > -0.25 && self.0 < 0.375;
-        let x = Self::select(near, self, fraction - Self::ONE);
-        let power = Self::select(near, Self::ZERO, power);
-        let value = Self::ln_near_one(x, power);
-        let value = Self::select(near, value, value + lost / sum);
-        let value =
-            Self::select(sum.0 > 0.0, value, Self::select(sum.0 < 0.0, Single(f32::NAN), Single(f32::NEG_INFINITY)));
-        Self::select(self.0 < f32::INFINITY, value, self)
+        lanes::ln_one_plus(self)
     }
     #[inline(always)]
     fn angle(self, adjacent: Self) -> Self {

@@ -1,8 +1,8 @@
 //! Plans against the general evaluation of the same stack, and each rule at work.
 
-use brdf::Vector;
 use brdf::layered::{Interface, Layer, Medium, Model, Stack};
 use brdf::plan::{Plan, Rule};
+use brdf::Vector;
 
 /// Numbers in [0, 1): Steele, Lea & Flood 2014, SplitMix64.
 struct Random(u64);

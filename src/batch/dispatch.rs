@@ -3,7 +3,7 @@
 #![allow(unsafe_code)]
 
 use super::Kernel;
-use crate::single::Single;
+use super::lanes::{Lanes, Vectored, load_part, store_part};
 
 /// A set of vector instructions that this processor has.
 ///
@@ -23,8 +23,8 @@ enum Set {
 
 /// Work that is compiled for each level.
 pub(crate) trait Work {
-    /// Does it in numbers of which `LANES` fill a register of the level. `#[inline(always)]`, or it is not compiled for it.
-    fn run<const FUSED: bool, const LANES: usize>(self);
+    /// Does it in numbers of the level. `#[inline(always)]`, or it is not compiled for it.
+    fn run<L: Lanes>(self);
 }
 
 impl Level {
@@ -69,7 +69,7 @@ impl Level {
     #[inline]
     pub(crate) fn run(self, work: impl Work) {
         match self.0 {
-            Set::Baseline => work.run::<BASELINE_FUSED, 4>(),
+            Set::Baseline => work.run::<Baseline>(),
             // SAFETY: a Level of these sets is only made where the processor has their instructions.
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
             Set::Avx2 => unsafe { avx2(work) },
@@ -79,8 +79,11 @@ impl Level {
     }
 }
 
-/// Whether every processor that the baseline runs on multiplies and adds in one instruction.
-const BASELINE_FUSED: bool = cfg!(all(feature = "std", any(target_arch = "aarch64", target_feature = "fma")));
+/// The numbers of the baseline.
+#[cfg(target_arch = "x86_64")]
+type Baseline = Vectored<core::arch::x86_64::__m128>;
+#[cfg(not(target_arch = "x86_64"))]
+type Baseline = crate::single::Single<{ cfg!(all(feature = "std", target_arch = "aarch64")) }>;
 
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 fn has_avx2() -> bool {
@@ -99,13 +102,13 @@ fn has_avx512() -> bool {
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 #[target_feature(enable = "avx2,fma")]
 fn avx2(work: impl Work) {
-    work.run::<true, 8>();
+    work.run::<Vectored<core::arch::x86_64::__m256>>();
 }
 
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 #[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512bw,avx512dq")]
 fn avx512(work: impl Work) {
-    work.run::<true, 16>();
+    work.run::<Vectored<core::arch::x86_64::__m512>>();
 }
 
 /// A kernel over slices of one length.
@@ -117,48 +120,31 @@ pub(crate) struct Map<'a, K, const I: usize, const O: usize> {
 
 impl<K: Kernel<I, O>, const I: usize, const O: usize> Work for Map<'_, K, I, O> {
     #[inline(always)]
-    fn run<const FUSED: bool, const LANES: usize>(self) {
+    fn run<L: Lanes>(self) {
         let Map { kernel, inputs, mut outputs } = self;
         let count = inputs.first().map_or(outputs.first().map_or(0, |slice| slice.len()), |slice| slice.len());
-        let whole = count - count % LANES;
-        for start in (0..whole).step_by(LANES) {
-            let mut block = [[0.0; LANES]; I];
-            for (lanes, slice) in block.iter_mut().zip(&inputs) {
-                lanes.copy_from_slice(&slice[start..start + LANES]);
+        let whole = count - count % L::COUNT;
+        for start in (0..whole).step_by(L::COUNT) {
+            // Loops over indices and no closures: what runs over vectors must be inlined whole.
+            let mut point = [L::ZERO; I];
+            for i in 0..I {
+                point[i] = L::load(&inputs[i][start..]);
             }
-            let results = vector::<FUSED, LANES, _, I, O>(kernel, &block);
-            for (output, result) in outputs.iter_mut().zip(&results) {
-                output[start..start + LANES].copy_from_slice(result);
+            let results = kernel.evaluate(point);
+            for o in 0..O {
+                results[o].store(&mut outputs[o][start..]);
             }
         }
         if whole < count {
-            // The rest of a vector repeats its first evaluation.
-            let lane = |slice: &[f32], lane| slice[if whole + lane < count { whole + lane } else { whole }];
-            let block = inputs.map(|slice| core::array::from_fn(|i| lane(slice, i)));
-            let results = vector::<FUSED, LANES, _, I, O>(kernel, &block);
-            for (output, result) in outputs.iter_mut().zip(&results) {
-                output[whole..count].copy_from_slice(&result[..count - whole]);
+            // The rest of a vector repeats its last evaluation.
+            let mut point = [L::ZERO; I];
+            for i in 0..I {
+                point[i] = load_part(&inputs[i][whole..]);
+            }
+            let results = kernel.evaluate(point);
+            for o in 0..O {
+                store_part(results[o], &mut outputs[o][whole..]);
             }
         }
     }
-}
-
-/// One register of evaluations: the compiler turns the loop, which has one trip of it, into vector instructions.
-#[inline(always)]
-fn vector<const FUSED: bool, const LANES: usize, K: Kernel<I, O>, const I: usize, const O: usize>(
-    kernel: &K,
-    block: &[[f32; LANES]; I],
-) -> [[f32; LANES]; O] {
-    let mut results = [[0.0; LANES]; O];
-    for lane in 0..LANES {
-        let mut point = [Single::<FUSED>(0.0); I];
-        for i in 0..I {
-            point[i] = Single(block[i][lane]);
-        }
-        let values = kernel.evaluate(point);
-        for o in 0..O {
-            results[o][lane] = values[o].0;
-        }
-    }
-    results
 }

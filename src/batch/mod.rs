@@ -21,7 +21,11 @@
 //! differ in their last bits: for the same bits on every machine fix the [`Level`].
 
 mod dispatch;
+pub(crate) mod lanes;
+mod stack;
 pub mod terms;
+#[cfg(target_arch = "x86_64")]
+mod x86;
 
 use crate::real::Real;
 use core::fmt;

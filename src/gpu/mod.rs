@@ -36,7 +36,7 @@ pub use layers::{
 };
 pub use policy::{Policy, policy};
 pub use rows::{columns, rows};
-pub use stopwatch::{Clock, Lap, Stopwatch};
+pub use stopwatch::{Lap, Stopwatch};
 pub use wgpu;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -1,6 +1,6 @@
 //! Stages in a row, and one evaluation through them.
 
-use super::interface::{AnyConductor, AnyDielectric, Conductor, Dielectric, Each, Fitted, Grey};
+use super::interface::{AnyConductor, AnyDielectric, Conductor, Dielectric, Each, Fitted, Grey, Metal};
 use super::stage::{Absorption, Base, Lobe, Passage, Ray};
 use crate::frame::Vector;
 use crate::layered::Model;
@@ -12,10 +12,12 @@ use alloc::vec::Vec;
 pub(crate) enum Surface<const K: usize> {
     Dielectric(Dielectric),
     AnyDielectric(AnyDielectric),
-    GreyConductor(Grey<Conductor>),
+    GreyMetal(Grey<Metal>),
+    Metals(Each<Metal, K>),
     Conductors(Each<Conductor, K>),
     AnyConductors(Each<AnyConductor, K>),
     Fit8(Fitted<K, 8>),
+    Fit10(Fitted<K, 10>),
     Fit12(Fitted<K, 12>),
 }
 
@@ -26,6 +28,7 @@ pub(crate) enum Way<const K: usize> {
     AnyDielectric(AnyDielectric),
     AnyConductors(Each<AnyConductor, K>),
     Fit8(Fitted<K, 8>),
+    Fit10(Fitted<K, 10>),
     Fit12(Fitted<K, 12>),
 }
 
@@ -45,10 +48,12 @@ macro_rules! with_surface {
         match $surface {
             $crate::plan::chain::Surface::Dielectric($fresnel) => $body,
             $crate::plan::chain::Surface::AnyDielectric($fresnel) => $body,
-            $crate::plan::chain::Surface::GreyConductor($fresnel) => $body,
+            $crate::plan::chain::Surface::GreyMetal($fresnel) => $body,
+            $crate::plan::chain::Surface::Metals($fresnel) => $body,
             $crate::plan::chain::Surface::Conductors($fresnel) => $body,
             $crate::plan::chain::Surface::AnyConductors($fresnel) => $body,
             $crate::plan::chain::Surface::Fit8($fresnel) => $body,
+            $crate::plan::chain::Surface::Fit10($fresnel) => $body,
             $crate::plan::chain::Surface::Fit12($fresnel) => $body,
         }
     };
@@ -61,6 +66,7 @@ macro_rules! with_way {
             $crate::plan::chain::Way::AnyDielectric($fresnel) => $body,
             $crate::plan::chain::Way::AnyConductors($fresnel) => $body,
             $crate::plan::chain::Way::Fit8($fresnel) => $body,
+            $crate::plan::chain::Way::Fit10($fresnel) => $body,
             $crate::plan::chain::Way::Fit12($fresnel) => $body,
         }
     };

@@ -99,7 +99,9 @@ impl<const K: usize> Transmits<K> for AnyDielectric {
     #[inline(always)]
     fn transmittance<W: Real<Wide = W>>(&self, cosines: [(W, W); 2]) -> [W; K] {
         let inverse = W::from_f64(1.0 / self.n_above);
-        let [i, o] = cosines.map(|(above, _)| fresnel::dielectric_wide::<_, W>(above * inverse, W::from_f64(self.eta)));
+        let [(i, _), (o, _)] = cosines;
+        let eta = W::from_f64(self.eta);
+        let (i, o) = (fresnel::dielectric_wide::<_, W>(i * inverse, eta), fresnel::dielectric_wide::<_, W>(o * inverse, eta));
         [i.transmittance * o.transmittance; K]
     }
     #[inline(always)]
@@ -163,6 +165,44 @@ impl Conductor {
     }
 }
 
+/// A conductor with κ > n that is bright: a metal. The real part of w is negative at every angle, and a few operations go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Metal {
+    /// (N² − K² − A²)/2.
+    half_real: f64,
+    /// N·K.
+    product: f64,
+    /// A².
+    above: f64,
+}
+
+impl Metal {
+    /// The least reflectance at the normal: F loses ½(1 + 1/F) ULP.
+    const LEAST: f64 = 0.2;
+
+    /// None where κ ≤ n, or F would lose digits by this form.
+    pub(crate) fn new(n: f64, k: f64, n_above: f64) -> Option<Self> {
+        let fits = k > n && fresnel::normal_incidence(n / n_above, k / n_above) >= Self::LEAST;
+        let Conductor { real, product, above } = Conductor::new(n, k, n_above)?;
+        fits.then_some(Metal { half_real: 0.5 * real, product, above })
+    }
+
+    /// F as a fraction. With L = (|w| − Re w)/2 and x = 2NK·c·√L: Fs = (B − x)/(B + x), B = c²L + L² + N²K², and Fq the same of
+    /// c²(L² + N²K²) + (A²−c²)²L and (A²−c²)x.
+    #[inline(always)]
+    fn fraction<W: Real<Wide = W>>(&self, half_squared: W, half: W) -> (W, W) {
+        let real = W::HALF.mul_add(half_squared, W::from_f64(self.half_real));
+        let product_squared = W::from_f64(self.product * self.product);
+        let larger = real.mul_add(real, product_squared).sqrt() - real;
+        let cross = (W::from_f64(2.0 * self.product) * half) * larger.sqrt();
+        let squares = larger.mul_add(larger, product_squared);
+        let s_squared = W::from_f64(self.above) - half_squared;
+        let mean_s = larger.mul_add(half_squared, squares);
+        let mean_q = squares.mul_add(half_squared, larger * (s_squared * s_squared));
+        ((mean_s - cross) * mean_q, (mean_s + cross) * cross.mul_add(s_squared, mean_q))
+    }
+}
+
 /// One term for all channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Grey<T>(pub(crate) T);
@@ -171,10 +211,21 @@ pub(crate) struct Grey<T>(pub(crate) T);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Each<T, const K: usize>(pub(crate) [T; K]);
 
-impl<const K: usize> Reflects<K> for Grey<Conductor> {
+impl<const K: usize> Reflects<K> for Grey<Metal> {
     #[inline(always)]
     fn reflectance<W: Real<Wide = W>>(&self, half_squared: W, half: W) -> [(W, W); K] {
         [self.0.fraction(half_squared, half); K]
+    }
+}
+
+impl<const K: usize> Reflects<K> for Each<Metal, K> {
+    #[inline(always)]
+    fn reflectance<W: Real<Wide = W>>(&self, half_squared: W, half: W) -> [(W, W); K] {
+        let mut all = [(W::ZERO, W::ONE); K];
+        for channel in 0..K {
+            all[channel] = self.0[channel].fraction(half_squared, half);
+        }
+        all
     }
 }
 
@@ -182,8 +233,8 @@ impl<const K: usize> Reflects<K> for Each<Conductor, K> {
     #[inline(always)]
     fn reflectance<W: Real<Wide = W>>(&self, half_squared: W, half: W) -> [(W, W); K] {
         let mut all = [(W::ZERO, W::ONE); K];
-        for (one, conductor) in all.iter_mut().zip(&self.0) {
-            *one = conductor.fraction(half_squared, half);
+        for channel in 0..K {
+            all[channel] = self.0[channel].fraction(half_squared, half);
         }
         all
     }
@@ -214,8 +265,9 @@ impl<const K: usize> Reflects<K> for Each<AnyConductor, K> {
     #[inline(always)]
     fn reflectance<W: Real<Wide = W>>(&self, _: W, half: W) -> [(W, W); K] {
         let mut all = [(W::ZERO, W::ONE); K];
-        for (one, conductor) in all.iter_mut().zip(&self.0) {
-            one.0 = conductor.split(conductor.cosine(half)).reflectance;
+        for channel in 0..K {
+            let conductor = &self.0[channel];
+            all[channel].0 = conductor.split(conductor.cosine(half)).reflectance;
         }
         all
     }
@@ -225,17 +277,18 @@ impl<const K: usize> Transmits<K> for Each<AnyConductor, K> {
     #[inline(always)]
     fn transmittance<W: Real<Wide = W>>(&self, [(i, _), (o, _)]: [(W, W); 2]) -> [W; K] {
         let mut all = [W::ZERO; K];
-        for (one, conductor) in all.iter_mut().zip(&self.0) {
+        for channel in 0..K {
+            let conductor = &self.0[channel];
             let (i, o) = (conductor.split(conductor.cosine(i)), conductor.split(conductor.cosine(o)));
-            *one = i.transmittance * o.transmittance;
+            all[channel] = i.transmittance * o.transmittance;
         }
         all
     }
     #[inline(always)]
     fn at<W: Real<Wide = W>>(&self, cos: W) -> [W; K] {
         let mut all = [W::ZERO; K];
-        for (one, conductor) in all.iter_mut().zip(&self.0) {
-            *one = conductor.split(cos).transmittance;
+        for channel in 0..K {
+            all[channel] = self.0[channel].split(cos).transmittance;
         }
         all
     }
@@ -253,8 +306,8 @@ impl<const K: usize, const N: usize> Reflects<K> for Fitted<K, N> {
     fn reflectance<W: Real<Wide = W>>(&self, _: W, half: W) -> [(W, W); K] {
         let transmitted = self.fit.transmittance_wide(half * W::from_f64(1.0 / self.n_above));
         let mut all = [(W::ZERO, W::ONE); K];
-        for (one, t) in all.iter_mut().zip(transmitted) {
-            one.0 = W::ONE - t;
+        for channel in 0..K {
+            all[channel].0 = W::ONE - transmitted[channel];
         }
         all
     }

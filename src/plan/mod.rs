@@ -26,14 +26,14 @@ mod interface;
 mod rule;
 pub(crate) mod stage;
 
-use crate::frame::Vector;
 use crate::fresnel::Fit;
+use crate::frame::Vector;
 use crate::layered::{Interface, Layer, Model, Stack};
 use crate::real::Real;
 use alloc::vec::Vec;
 use chain::{Chain, Stage, Surface, Way};
 use core::fmt;
-use interface::{AnyConductor, AnyDielectric, Conductor, Dielectric, Each, Fitted, Grey};
+use interface::{AnyConductor, AnyDielectric, Conductor, Dielectric, Each, Fitted, Grey, Metal};
 pub use rule::{Applied, Rule};
 use stage::{Absorption, Base, Lobe, Passage};
 
@@ -81,7 +81,7 @@ impl<const C: usize> Plan<C> {
     }
 
     /// The plan of a stack with the Fresnel terms of its conductors fitted ([`Fit`]) where the largest error of F is at most
-    /// `max_error`: the smallest of the fits of 8 and 12 coefficients that does, exact where neither does.
+    /// `max_error`: the smallest of the fits of 8, 10 and 12 coefficients that does, exact where none does.
     ///
     /// # Errors
     /// As [`Plan::new`].
@@ -271,21 +271,20 @@ impl Builder<'_> {
                 return Surface::Fit8(Fitted { fit, n_above });
             }
             if let Some(fit) = self.fit(n, k, reference) {
+                return Surface::Fit10(Fitted { fit, n_above });
+            }
+            if let Some(fit) = self.fit(n, k, reference) {
                 return Surface::Fit12(Fitted { fit, n_above });
             }
         }
         // Relative to the medium above in the optical cosines' terms: for Elek's absolute indices n·A and k·A.
         let scale = n_above / reference;
-        let fast = core::array::from_fn::<_, K, _>(|c| Conductor::new(scale * n[c], scale * k[c], n_above));
-        if fast.iter().all(Option::is_some) {
-            if let (true, Some(first)) = (grey, fast[0]) {
-                return Surface::GreyConductor(Grey(first));
-            }
-            let mut each = Vec::with_capacity(K);
-            each.extend(fast.into_iter().flatten());
-            if let Ok(each) = each.try_into() {
-                return Surface::Conductors(Each(each));
-            }
+        let of = |c: usize| (scale * n[c], scale * k[c]);
+        if let Some(metals) = every(|c| Metal::new(of(c).0, of(c).1, n_above)) {
+            return if grey { Surface::GreyMetal(Grey(metals[0])) } else { Surface::Metals(Each(metals)) };
+        }
+        if let Some(conductors) = every(|c| Conductor::new(of(c).0, of(c).1, n_above)) {
+            return Surface::Conductors(Each(conductors));
         }
         Surface::AnyConductors(self.any(n, k, n_above, reference))
     }
@@ -301,8 +300,19 @@ impl Builder<'_> {
             Surface::Dielectric(dielectric) => Way::Dielectric(dielectric),
             Surface::AnyDielectric(dielectric) => Way::AnyDielectric(dielectric),
             Surface::Fit8(fit) => Way::Fit8(fit),
+            Surface::Fit10(fit) => Way::Fit10(fit),
             Surface::Fit12(fit) => Way::Fit12(fit),
             _ => Way::AnyConductors(self.any(n, k, n_above, reference)),
         }
     }
+}
+
+/// All channels' values, if there are.
+fn every<T: Copy, const K: usize>(one: impl Fn(usize) -> Option<T>) -> Option<[T; K]> {
+    let first = one(0)?;
+    let mut all = [first; K];
+    for (c, place) in all.iter_mut().enumerate() {
+        *place = one(c)?;
+    }
+    Some(all)
 }

@@ -61,6 +61,21 @@ impl<W: Real<Wide = W>, const K: usize> Ray<W, K> {
         ray
     }
 
+    /// Nothing, for a start.
+    pub(crate) fn dark() -> Self {
+        let zero = W::ZERO;
+        Ray {
+            cos_i: zero,
+            cos_o: zero,
+            h_z: zero,
+            half_squared: zero,
+            tan: (zero, zero),
+            across: (zero, zero),
+            weight: [zero; K],
+            f: [zero; K],
+        }
+    }
+
     /// Takes the half vector's height, as a number and what its rounding took.
     #[inline(always)]
     fn aim(&mut self, h_z: W, lost: W) {
@@ -87,15 +102,18 @@ impl<W: Real<Wide = W>, const K: usize> Ray<W, K> {
     /// True where something still gets to the present interface.
     #[inline(always)]
     pub(crate) fn arrives(&self) -> W::Mask {
-        let most = self.weight.into_iter().fold(W::ZERO, W::max);
+        let mut most = W::ZERO;
+        for channel in 0..K {
+            most = most.max(self.weight[channel]);
+        }
         most.gt(W::ZERO)
     }
 
     /// Ends the ray where it may not go on.
     #[inline(always)]
     fn stop_unless(&mut self, goes_on: W::Mask) {
-        for weight in &mut self.weight {
-            *weight = W::select(goes_on, *weight, W::ZERO);
+        for channel in 0..K {
+            self.weight[channel] = W::select(goes_on, self.weight[channel], W::ZERO);
         }
     }
 }
@@ -128,8 +146,8 @@ impl Lobe {
         let (exponent, rounding) = tan.product_exact(inverse_square);
         let rounding = tan.mul_add(inverse_lost, lost.mul_add(inverse_square, rounding));
         let inside = exponent.le(W::EXP_LIMIT);
-        let exponential = (-exponent).exp();
-        let exponential = exponential - exponential * rounding;
+        let exponential = (-exponent).exp_within();
+        let exponential = (-exponential).mul_add(rounding, exponential);
         let secant = W::ONE + tan;
         let d = W::select(inside, secant * secant * exponential * W::from_f64(self.scale), W::ZERO);
 
@@ -141,8 +159,8 @@ impl Lobe {
         let fractions = fresnel.reflectance(half_squared, half);
         for channel in 0..K {
             let (numerator, denominator) = fractions[channel];
-            ray.f[channel] =
-                (ray.weight[channel] * visible).mul_add(numerator / (denominator * cavity), ray.f[channel]);
+            ray.f[channel] = (ray.weight[channel] * visible)
+                .mul_add(numerator / (denominator * cavity), ray.f[channel]);
         }
     }
 
@@ -258,10 +276,10 @@ impl Passage {
         let (i, o) = (ray.cos_i + lift, ray.cos_o + lift);
         let goes_on = below_squared.gt(W::ZERO) & i.gt(W::ZERO) & o.gt(W::ZERO);
         ray.stop_unless(goes_on);
-        let or_one = |x| W::select(goes_on, x, W::ONE);
-        (ray.cos_i, ray.cos_o) = (or_one(i), or_one(o));
-        ray.h_z = or_one(ray.h_z * ratio);
-        ray.half_squared = or_one(below_squared);
+        ray.cos_i = W::select(goes_on, i, W::ONE);
+        ray.cos_o = W::select(goes_on, o, W::ONE);
+        ray.h_z = W::select(goes_on, ray.h_z * ratio, W::ONE);
+        ray.half_squared = W::select(goes_on, below_squared, W::ONE);
     }
 }
 
@@ -330,16 +348,23 @@ impl<const K: usize> Base<K> {
         } else {
             W::ZERO
         };
-        let below = |w: Vector<W>, cos: W| {
-            let part = |w: W, h: W| W::select(lit, h.mul_add(bend, w) * inverse, W::ZERO);
-            Vector::new(part(w.x, h.x), part(w.y, h.y), W::select(lit, cos * inverse, W::ONE))
-        };
-        let base =
-            diffuse::oren_nayar_wide::<_, W>(below(wi, ray.cos_i), below(wo, ray.cos_o), W::from_f64(self.sigma));
+        let wi = below(wi, h, bend, inverse, ray.cos_i, lit);
+        let wo = below(wo, h, bend, inverse, ray.cos_o, lit);
+        let base = diffuse::oren_nayar_wide::<_, W>(wi, wo, W::from_f64(self.sigma));
         for channel in 0..K {
             let albedo = W::from_f64(self.albedo[channel]);
             let f = base.f(albedo) * W::from_f64(self.scale());
             ray.f[channel] = ray.weight[channel].mul_add(f, ray.f[channel]);
         }
     }
+}
+
+/// A direction in the medium above the base, of its cosine there; the normal where nothing arrives.
+#[inline(always)]
+fn below<W: Real<Wide = W>>(w: Vector<W>, h: Vector<W>, bend: W, inverse: W, cos: W, lit: W::Mask) -> Vector<W> {
+    Vector::new(
+        W::select(lit, h.x.mul_add(bend, w.x) * inverse, W::ZERO),
+        W::select(lit, h.y.mul_add(bend, w.y) * inverse, W::ZERO),
+        W::select(lit, cos * inverse, W::ONE),
+    )
 }

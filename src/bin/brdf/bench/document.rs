@@ -66,8 +66,8 @@ fn head(measurements: &Measurements, quick: bool) -> String {
 
 # Performance
 
-What each variant costs and how far it is off, measured by `cargo run --release --features cli -- bench document` on an
-otherwise idle machine. Compare within this page; on another machine run the command again.
+What each variant costs and how far it is off, measured by `cargo run --release --features cli -- bench document`. Compare
+within this page; on another machine, and on one that other work kept busy, run the command again.
 
 | | |
 |---|---|

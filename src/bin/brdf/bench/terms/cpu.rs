@@ -45,9 +45,9 @@ impl<F: Formula<I, O>, const I: usize, const O: usize> Runner for Shaped<F, I, O
     fn scalar<'a>(&'a self, columns: &'a [Vec<f32>]) -> Task<'a> {
         Task::new(CACHED, move || {
             let (formula, inputs) = (black_box(&self.0), inputs::<I>(columns, CACHED));
-            for row in 0..CACHED {
+            (0..CACHED).for_each(|row| {
                 black_box(formula.at::<f32>(from_fn(|i| inputs[i][row])));
-            }
+            });
         })
     }
 

@@ -3,8 +3,9 @@
 use super::family::{Family, Inputs, ROUGH};
 use super::formula::WGSL;
 use crate::bench::clock::Times;
-use brdf::gpu::{Clock, Gpu, GpuError, Kernel, Stopwatch, rows, wgpu};
+use brdf::gpu::{Gpu, GpuError, Kernel, Lap, Stopwatch, rows, wgpu};
 use brdf::wgsl;
+use std::fmt;
 
 /// The binding at which both kernels read the constants: the first that `gpu::Kernel` leaves free.
 const CONSTANTS: &str = "@group(0) @binding(3) var<storage, read> material: array<vec4f>;\n";
@@ -14,17 +15,36 @@ const PARAMETERS: [&str; 6] = ["a", "b", "c", "d", "e", "f"];
 /// The invocations of a workgroup.
 const WORKGROUP: u32 = 64;
 
+/// What the times of an adapter were read from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::bench) enum Clock {
+    /// The device's own, before and after each kernel.
+    Timestamps,
+    /// The host's, over kernels that run for long.
+    Wall,
+}
+
+impl fmt::Display for Clock {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Clock::Timestamps => "timestamps",
+            Clock::Wall => "wall time",
+        })
+    }
+}
+
 /// A variant's results, and its time where it was measured.
 pub(super) struct Run {
     pub(super) results: Vec<f64>,
     pub(super) ns: f64,
-    pub(super) clock: Clock,
 }
 
 /// All variants of a family on one adapter, and the time of the loop with nothing in it.
 pub(super) struct Runs {
     pub(super) variants: Vec<Run>,
     pub(super) empty_ns: f64,
+    /// What all of these times were read from.
+    pub(super) clock: Clock,
 }
 
 /// The WGSL of a variant: plain, its function `variant`.
@@ -77,8 +97,7 @@ fn brdf_time(@builtin(global_invocation_id) id: vec3u) {{
 struct Calibrated {
     stopwatch: Stopwatch,
     evaluations: f64,
-    times: Vec<f64>,
-    clock: Clock,
+    laps: Vec<Lap>,
 }
 
 impl Calibrated {
@@ -97,25 +116,36 @@ impl Calibrated {
             &[as_bytes(seeds).as_slice(), &[0; 16], &as_bytes(&bits(&constants))],
         )?;
         let mut iterations = 4u32;
-        let clock = loop {
+        loop {
             stopwatch.write(2, &as_bytes(&[iterations, seed_rows, 0, 0]))?;
             let lap = stopwatch.lap(groups)?;
-            if lap.ns >= least || iterations >= 1 << 24 {
-                break lap.clock;
+            let ns = lap.device_ns.unwrap_or(lap.wall_ns);
+            if ns >= least || iterations >= 1 << 24 {
+                break;
             }
-            iterations = (f64::from(iterations) * (1.2 * least / lap.ns.max(1.0)).clamp(1.5, 16.0)).ceil() as u32;
-        };
+            iterations = (f64::from(iterations) * (1.2 * least / ns.max(1.0)).clamp(1.5, 16.0)).ceil() as u32;
+        }
         let evaluations = f64::from(invocations) * f64::from(iterations);
-        Ok(Calibrated { stopwatch, evaluations, times: Vec::new(), clock })
+        Ok(Calibrated { stopwatch, evaluations, laps: Vec::new() })
     }
 
     fn round(&mut self, groups: u32) -> Result<(), GpuError> {
-        let lap = self.stopwatch.lap(groups)?;
-        self.times.push(lap.ns / self.evaluations);
-        if lap.clock == Clock::Wall {
-            self.clock = Clock::Wall;
-        }
+        self.laps.push(self.stopwatch.lap(groups)?);
         Ok(())
+    }
+
+    /// The median time of an evaluation, NaN where the device told none.
+    fn median(&self, clock: Clock) -> f64 {
+        let time = |lap: &Lap| match clock {
+            Clock::Timestamps => lap.device_ns,
+            Clock::Wall => Some(lap.wall_ns),
+        };
+        Times::new(self.laps.iter().filter_map(time).map(|ns| ns / self.evaluations).collect()).median()
+    }
+
+    /// Whether most laps have a time of the device.
+    fn is_stamped(&self) -> bool {
+        2 * self.laps.iter().filter(|lap| lap.device_ns.is_some()).count() > self.laps.len()
     }
 }
 
@@ -159,9 +189,9 @@ pub(super) fn run(gpu: &Gpu, family: &Family, columns: &[Vec<f32>], quick: bool)
             kernel.round(groups(gpu))?;
         }
     }
-    let mut times = kernels.into_iter().map(|kernel| (Times::new(kernel.times).median(), kernel.clock));
-    let variants =
-        results.into_iter().zip(times.by_ref()).map(|(results, (ns, clock))| Run { results, ns, clock }).collect();
-    let empty_ns = times.next().map_or(f64::NAN, |(ns, _)| ns);
-    Ok(Runs { variants, empty_ns })
+    let clock = if kernels.iter().all(Calibrated::is_stamped) { Clock::Timestamps } else { Clock::Wall };
+    let mut times = kernels.iter().map(|kernel| kernel.median(clock));
+    let variants = results.into_iter().zip(times.by_ref()).map(|(results, ns)| Run { results, ns }).collect();
+    let empty_ns = times.next().unwrap_or(f64::NAN);
+    Ok(Runs { variants, empty_ns, clock })
 }

@@ -14,9 +14,10 @@ use super::clock::{self, Budget};
 use super::{chart, host};
 use crate::failure::Failure;
 use brdf::batch::Level;
-use brdf::gpu::{Clock, Gpu, Policy, adapters, policy};
+use brdf::gpu::{Gpu, Policy, adapters, policy};
 use clap::Args;
 use family::{Family, Measure};
+use gpu::Clock;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use std::io::{self, Write};
@@ -254,7 +255,7 @@ fn measure_family(family: &Family, gpus: &[Gpu], quick: bool, progress: &Progres
         let runs = gpu::run(gpu, family, &columns, quick)?;
         empty.push((adapter.clone(), runs.empty_ns));
         for (index, (row, run)) in rows.iter_mut().zip(runs.variants).enumerate() {
-            let way = Way::Gpu(adapter.clone(), run.clock);
+            let way = Way::Gpu(adapter.clone(), runs.clock);
             row.points.push(Point { way, ns: run.ns, error: Errors::of(&run.results, truth(index), error) });
         }
         progress.inc(1);

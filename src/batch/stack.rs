@@ -1,0 +1,280 @@
+//! Whole stacks over slices: [`Plan`]'s stages, each a loop over a block of evaluations that stays in the first cache.
+
+use super::dispatch::{Level, Work};
+use super::lanes::{Lanes, load_part, store_part};
+use super::{LengthError, check_lengths};
+use crate::frame::Vector;
+use crate::layered::Model;
+use crate::plan::chain::{Chain, Stage, with_surface, with_way};
+use crate::plan::stage::Ray;
+use crate::plan::{Chains, Plan};
+use crate::real::Mask;
+
+/// Vectors of a block: 14 numbers of each, three channels, fill less than half of a first-level cache.
+const BLOCK: usize = 16;
+
+impl<const C: usize> Plan<C> {
+    /// The BRDF in sr⁻¹ of many pairs of local unit directions, on the calling thread and without allocating: components of the
+    /// directions in, a slice for each channel out.
+    ///
+    /// f32 throughout; what it loses is in `docs/accuracy.md`, column *batch*. Directions as for [`Plan::evaluate`].
+    ///
+    /// # Errors
+    /// Where the slices differ in length; nothing is written then. They are counted wi.x, wi.y, wi.z, wo.x, wo.y, wo.z, then f.
+    pub fn evaluate_batch(&self, wi: [&[f32]; 3], wo: [&[f32]; 3], f: [&mut [f32]; C]) -> Result<(), LengthError> {
+        self.evaluate_batch_at(Level::detect(), wi, wo, f)
+    }
+
+    /// [`Plan::evaluate_batch`] with the instructions of a level that this processor has.
+    ///
+    /// # Errors
+    /// As [`Plan::evaluate_batch`].
+    pub fn evaluate_batch_at(
+        &self,
+        level: Level,
+        wi: [&[f32]; 3],
+        wo: [&[f32]; 3],
+        f: [&mut [f32]; C],
+    ) -> Result<(), LengthError> {
+        let ([a, b, c], [d, e, g]) = (wi, wo);
+        check_lengths(&[a, b, c, d, e, g], &f)?;
+        self.run(level, wi, wo, f);
+        Ok(())
+    }
+
+    /// The BRDF in sr⁻¹ towards one viewer for many lights: what depends on the viewer alone is computed once a block.
+    ///
+    /// # Errors
+    /// As [`Plan::evaluate_batch`]; the slices are counted wi.x, wi.y, wi.z, then f.
+    pub fn evaluate_view(&self, wi: [&[f32]; 3], wo: Vector<f32>, f: [&mut [f32]; C]) -> Result<(), LengthError> {
+        self.evaluate_view_at(Level::detect(), wi, wo, f)
+    }
+
+    /// [`Plan::evaluate_view`] with the instructions of a level that this processor has.
+    ///
+    /// # Errors
+    /// As [`Plan::evaluate_view`].
+    pub fn evaluate_view_at(
+        &self,
+        level: Level,
+        wi: [&[f32]; 3],
+        wo: Vector<f32>,
+        f: [&mut [f32]; C],
+    ) -> Result<(), LengthError> {
+        check_lengths(&wi, &f)?;
+        self.run(level, wi, wo, f);
+        Ok(())
+    }
+
+    /// [`Plan::evaluate_batch`] on the threads of rayon's current pool.
+    ///
+    /// # Errors
+    /// As [`Plan::evaluate_batch`].
+    #[cfg(feature = "rayon")]
+    pub fn par_evaluate_batch(&self, wi: [&[f32]; 3], wo: [&[f32]; 3], f: [&mut [f32]; C]) -> Result<(), LengthError> {
+        let ([a, b, c], [d, e, g]) = (wi, wo);
+        let count = check_lengths(&[a, b, c, d, e, g], &f)?;
+        let level = Level::detect();
+        super::halve(count, [a, b, c, d, e, g], f, &|[a, b, c, d, e, g], f| self.run(level, [a, b, c], [d, e, g], f));
+        Ok(())
+    }
+
+    fn run(&self, level: Level, wi: [&[f32]; 3], wo: impl Viewers, f: [&mut [f32]; C]) {
+        match self.chains() {
+            Chains::Together(chain) => level.run(Run { chain, wi, wo, f }),
+            Chains::Apart(chains) => {
+                for (chain, f) in chains.iter().zip(f) {
+                    level.run(Run { chain, wi, wo, f: [f] });
+                }
+            }
+        }
+    }
+}
+
+/// Where the directions towards the viewer come from.
+trait Viewers: Copy {
+    /// The first `count`.
+    fn cut(self, count: usize) -> Self;
+    fn load<L: Lanes>(&self, start: usize, length: usize) -> Vector<L>;
+}
+
+impl Viewers for [&[f32]; 3] {
+    #[inline(always)]
+    fn cut(self, count: usize) -> Self {
+        [&self[0][..count], &self[1][..count], &self[2][..count]]
+    }
+    #[inline(always)]
+    fn load<L: Lanes>(&self, start: usize, length: usize) -> Vector<L> {
+        Vector::new(load(self[0], start, length), load(self[1], start, length), load(self[2], start, length))
+    }
+}
+
+impl Viewers for Vector<f32> {
+    #[inline(always)]
+    fn cut(self, _: usize) -> Self {
+        self
+    }
+    #[inline(always)]
+    fn load<L: Lanes>(&self, _: usize, _: usize) -> Vector<L> {
+        Vector::new(L::from_f64(f64::from(self.x)), L::from_f64(f64::from(self.y)), L::from_f64(f64::from(self.z)))
+    }
+}
+
+/// A vector of `length` numbers from `start` on, at most as many as it has lanes.
+#[inline(always)]
+fn load<L: Lanes>(slice: &[f32], start: usize, length: usize) -> L {
+    if length >= L::COUNT { L::load(&slice[start..]) } else { load_part(&slice[start..start + length]) }
+}
+
+/// A chain over slices of one length.
+struct Run<'a, V, const K: usize> {
+    chain: &'a Chain<K>,
+    wi: [&'a [f32]; 3],
+    wo: V,
+    f: [&'a mut [f32]; K],
+}
+
+/// The directions of a vector of evaluations.
+#[inline(always)]
+fn pair<L: Lanes>(wi: [&[f32]; 3], wo: impl Viewers, start: usize, end: usize) -> (Vector<L>, Vector<L>) {
+    (wi.load(start, end - start), wo.load(start, end - start))
+}
+
+/// Puts f of a vector of evaluations in its place.
+#[inline(always)]
+fn put<L: Lanes, const K: usize>(f: &mut [&mut [f32]; K], start: usize, values: [L; K]) {
+    for channel in 0..K {
+        let room = &mut f[channel][start..];
+        if room.len() >= L::COUNT {
+            values[channel].store(room);
+        } else {
+            store_part(values[channel], room);
+        }
+    }
+}
+
+// Loops over indices and no closures: what runs over vectors must be inlined whole. Constants are copied out of the plan, or each
+// store to f would have them loaded again.
+impl<V: Viewers, const K: usize> Work for Run<'_, V, K> {
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Run { chain, wi, wo, mut f } = self;
+        let count = wi[0].len();
+        // All of one length, which the compiler can then tell.
+        let (wi, wo) = ([&wi[0][..count], &wi[1][..count], &wi[2][..count]], wo.cut(count));
+        for channel in 0..K {
+            f[channel] = &mut core::mem::take(&mut f[channel])[..count];
+        }
+        if let [Stage::Reflect { lobe, surface }] = chain.stages.as_slice() {
+            // One interface: nothing to keep between stages.
+            with_surface!(surface, fresnel => {
+                let (lobe, fresnel) = (*lobe, *fresnel);
+                let whole = count - count % L::COUNT;
+                let mut start = 0;
+                while start + L::COUNT <= count {
+                    let (wi, wo) = pair(wi, wo, start, start + L::COUNT);
+                    let mut ray = Ray::<L, K>::new(wi, wo);
+                    lobe.reflect(&mut ray, &fresnel);
+                    for channel in 0..K {
+                        ray.f[channel].store(&mut f[channel][start..]);
+                    }
+                    start += L::COUNT;
+                }
+                if whole < count {
+                    let (wi, wo) = pair(wi, wo, whole, count);
+                    let mut ray = Ray::<L, K>::new(wi, wo);
+                    lobe.reflect(&mut ray, &fresnel);
+                    put(&mut f, whole, ray.f);
+                }
+            });
+            return;
+        }
+        let mut rays = [Ray::<L, K>::dark(); BLOCK];
+        for start in (0..count).step_by(BLOCK * L::COUNT) {
+            let end = count.min(start + BLOCK * L::COUNT);
+            let vectors = (end - start).div_ceil(L::COUNT);
+            block(chain, wi, wo, &mut rays[..vectors], start, end);
+            for i in 0..vectors {
+                put(&mut f, start + i * L::COUNT, rays[i].f);
+            }
+        }
+    }
+}
+
+/// Takes the pairs from `start` to `end` through the stages.
+#[inline(always)]
+#[allow(clippy::needless_range_loop)]
+fn block<L: Lanes, const K: usize>(
+    chain: &Chain<K>,
+    wi: [&[f32]; 3],
+    wo: impl Viewers,
+    rays: &mut [Ray<L, K>],
+    start: usize,
+    end: usize,
+) {
+    for i in 0..rays.len() {
+        let (wi, wo) = pair(wi, wo, start + i * L::COUNT, end);
+        rays[i] = Ray::new(wi, wo);
+    }
+    for stage in &chain.stages {
+        match stage {
+            Stage::Reflect { lobe, surface } => with_surface!(surface, fresnel => {
+                let (lobe, fresnel) = (*lobe, *fresnel);
+                for i in 0..rays.len() {
+                    lobe.reflect(&mut rays[i], &fresnel);
+                }
+            }),
+            Stage::Pass { passage, way, model } => {
+                let passage = *passage;
+                with_way!(way, fresnel => {
+                    let fresnel = *fresnel;
+                    match model {
+                        Model::Elek => {
+                            for i in 0..rays.len() {
+                                let (wi, wo) = pair::<L>(wi, wo, start + i * L::COUNT, end);
+                                passage.elek(&mut rays[i], (wi.z, wo.z), &fresnel);
+                            }
+                        }
+                        Model::WeidlichWilkie => {
+                            for i in 0..rays.len() {
+                                passage.weidlich_wilkie(&mut rays[i], &fresnel);
+                            }
+                        }
+                        _ => {
+                            for i in 0..rays.len() {
+                                let (wi, wo) = pair::<L>(wi, wo, start + i * L::COUNT, end);
+                                passage.conserve(&mut rays[i], (wi.z, wo.z), &fresnel);
+                            }
+                        }
+                    }
+                });
+                let mut arrives = false;
+                for i in 0..rays.len() {
+                    arrives |= rays[i].arrives().any();
+                }
+                if !arrives {
+                    return;
+                }
+            }
+            Stage::Absorb(medium) => {
+                let medium = *medium;
+                for i in 0..rays.len() {
+                    medium.absorb(&mut rays[i]);
+                }
+            }
+            Stage::Lambert(base) => {
+                let base = *base;
+                for i in 0..rays.len() {
+                    base.lambert(&mut rays[i]);
+                }
+            }
+            Stage::OrenNayar { base, about_half } => {
+                let (base, about_half) = (*base, *about_half);
+                for i in 0..rays.len() {
+                    let (wi, wo) = pair(wi, wo, start + i * L::COUNT, end);
+                    base.oren_nayar(&mut rays[i], wi, wo, about_half);
+                }
+            }
+        }
+    }
+}
