@@ -91,8 +91,11 @@ impl Chains {
 
     #[inline(always)]
     fn numbers<R: Real>(&self, x: R) -> ([R; CHAINS], R, R) {
-        let number = |value: f32| R::from_f64(f64::from(value));
-        (self.start.map(|start| x + number(start)), number(self.factor), number(self.addend))
+        let mut chains = [x; CHAINS];
+        for (chain, start) in chains.iter_mut().zip(&self.start) {
+            *chain = x + R::from_f64(f64::from(*start));
+        }
+        (chains, R::from_f64(f64::from(self.factor)), R::from_f64(f64::from(self.addend)))
     }
 }
 
@@ -108,7 +111,9 @@ impl Kernel<1, 1> for MultiplyAdds {
     fn evaluate<R: Real<Wide = R>>(&self, [x]: [R; 1]) -> [R; 1] {
         let (mut chains, factor, addend) = self.0.numbers(x);
         sixteen_times!({
-            chains = chains.map(|chain| chain.mul_add(factor, addend));
+            for chain in &mut chains {
+                *chain = chain.mul_add(factor, addend);
+            }
         });
         sum(chains)
     }
@@ -120,7 +125,9 @@ impl Kernel<1, 1> for Operations {
     fn evaluate<R: Real<Wide = R>>(&self, [x]: [R; 1]) -> [R; 1] {
         let (mut chains, factor, addend) = self.0.numbers(x);
         sixteen_times!({
-            chains = chains.map(|chain| chain * factor + addend);
+            for chain in &mut chains {
+                *chain = *chain * factor + addend;
+            }
         });
         sum(chains)
     }
@@ -130,8 +137,11 @@ struct Divides(Chains);
 impl Kernel<1, 1> for Divides {
     #[inline(always)]
     fn evaluate<R: Real<Wide = R>>(&self, [x]: [R; 1]) -> [R; 1] {
-        let (chains, factor, _) = self.0.numbers(x);
-        sum(chains.map(|chain| factor / chain))
+        let (mut chains, factor, _) = self.0.numbers(x);
+        for chain in &mut chains {
+            *chain = factor / *chain;
+        }
+        sum(chains)
     }
 }
 
@@ -139,8 +149,11 @@ struct Roots(Chains);
 impl Kernel<1, 1> for Roots {
     #[inline(always)]
     fn evaluate<R: Real<Wide = R>>(&self, [x]: [R; 1]) -> [R; 1] {
-        let (chains, _, _) = self.0.numbers(x);
-        sum(chains.map(Real::sqrt))
+        let (mut chains, _, _) = self.0.numbers(x);
+        for chain in &mut chains {
+            *chain = chain.sqrt();
+        }
+        sum(chains)
     }
 }
 

@@ -209,10 +209,24 @@ fn number<R: Real>(x: f32) -> R {
     R::from_f64(f64::from(x))
 }
 
-/// The three channels of a term.
-#[inline(always)]
-fn rgb<R: Real>(channel: impl Fn(usize) -> R) -> [R; 3] {
-    [channel(0), channel(1), channel(2)]
+/// The three channels of a term, written out: a closure would not be compiled for the level that it runs at.
+macro_rules! rgb {
+    ($i:ident => $channel:expr) => {
+        [
+            {
+                let $i = 0;
+                $channel
+            },
+            {
+                let $i = 1;
+                $channel
+            },
+            {
+                let $i = 2;
+                $channel
+            },
+        ]
+    };
 }
 
 /// Defines formulas over [`Constants`] `m`.
@@ -231,7 +245,7 @@ macro_rules! formulas {
 
 #[inline(always)]
 fn conductor<R: Real>(m: &Constants, c: R) -> [R; 3] {
-    rgb(|i| fresnel::conductor(c, number(m.n[i]), number(m.k[i])).reflectance)
+    rgb!(i => fresnel::conductor(c, number(m.n[i]), number(m.k[i])).reflectance)
 }
 #[inline(always)]
 fn fit_twelve<R: Real>(m: &Constants, c: R) -> [R; 3] {
@@ -243,23 +257,23 @@ fn fit_eight<R: Real>(m: &Constants, c: R) -> [R; 3] {
 }
 #[inline(always)]
 fn lazanyi<R: Real>(m: &Constants, c: R) -> [R; 3] {
-    rgb(|i| fresnel::lazanyi(c, number(m.n[i]), number(m.k[i]), number(m.a[i]), number(m.exponent[i])))
+    rgb!(i => fresnel::lazanyi(c, number(m.n[i]), number(m.k[i]), number(m.a[i]), number(m.exponent[i])))
 }
 #[inline(always)]
 fn lazanyi_uncorrected<R: Real>(m: &Constants, c: R) -> [R; 3] {
-    rgb(|i| fresnel::lazanyi_uncorrected(c, number(m.n[i]), number(m.k[i])))
+    rgb!(i => fresnel::lazanyi_uncorrected(c, number(m.n[i]), number(m.k[i])))
 }
 #[inline(always)]
 fn conductor_approx<R: Real>(m: &Constants, c: R) -> [R; 3] {
-    rgb(|i| fresnel::conductor_approx(c, number(m.n[i]), number(m.k[i])))
+    rgb!(i => fresnel::conductor_approx(c, number(m.n[i]), number(m.k[i])))
 }
 #[inline(always)]
 fn schlick<R: Real>(m: &Constants, c: R) -> [R; 3] {
-    rgb(|i| fresnel::schlick(c, number(m.f0[i])).reflectance)
+    rgb!(i => fresnel::schlick(c, number(m.f0[i])).reflectance)
 }
 #[inline(always)]
 fn tinted<R: Real>(m: &Constants, c: R) -> [R; 3] {
-    rgb(|i| fresnel::f82_tint(c, number(m.f0[i]), number(m.tint[i])))
+    rgb!(i => fresnel::f82_tint(c, number(m.f0[i]), number(m.tint[i])))
 }
 
 /// Torrance and Sparrow's BRDF with a Fresnel term of three channels.
@@ -282,7 +296,7 @@ fn vectors<R: Real>([ix, iy, iz, ox, oy, oz]: [R; 6]) -> (Vector<R>, Vector<R>) 
 
 formulas! {
     Conductor(m, [c]) [1 -> 3] conductor(m, c);
-    Dielectric(m, [c]) [1 -> 3] rgb(|i| fresnel::dielectric(c, number(m.n[i])).reflectance);
+    Dielectric(m, [c]) [1 -> 3] rgb!(i => fresnel::dielectric(c, number(m.n[i])).reflectance);
     FitTwelve(m, [c]) [1 -> 3] fit_twelve(m, c);
     FitEight(m, [c]) [1 -> 3] fit_eight(m, c);
     TableBytes(m, [c]) [1 -> 3] m.bytes.reflectance(c);
