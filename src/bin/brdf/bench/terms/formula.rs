@@ -276,17 +276,14 @@ fn tinted<R: Real>(m: &Constants, c: R) -> [R; 3] {
     rgb!(i => fresnel::f82_tint(c, number(m.f0[i]), number(m.tint[i])))
 }
 
-/// Torrance and Sparrow's BRDF with a Fresnel term of three channels.
-#[inline(always)]
-fn rough<R: Real>(
-    m: &Constants,
-    [ix, iy, iz, ox, oy, oz]: [R; 6],
-    fresnel: impl Fn(&Constants, R) -> [R; 3],
-) -> [R; 3] {
-    let (wi, wo) = (Vector::new(ix, iy, iz), Vector::new(ox, oy, oz));
-    let lobe = microfacet::facets(wi, wo, number(m.alpha)).lobe;
-    let [r, g, b] = fresnel(m, microfacet::cos_half(wi, wo));
-    [r * lobe, g * lobe, b * lobe]
+/// Torrance and Sparrow's BRDF with a Fresnel term of three channels, by name for the same reason.
+macro_rules! rough {
+    ($m:ident, $x:ident, $fresnel:ident) => {{
+        let (wi, wo) = vectors($x);
+        let lobe = microfacet::facets(wi, wo, number($m.alpha)).lobe;
+        let [r, g, b] = $fresnel($m, microfacet::cos_half(wi, wo));
+        [r * lobe, g * lobe, b * lobe]
+    }};
 }
 
 #[inline(always)]
@@ -353,12 +350,12 @@ formulas! {
         [R::select(lit, diffuse::lambert(number(m.albedo)), R::ZERO)]
     };
 
-    RoughConductor(m, x) [6 -> 3] rough(m, x, conductor);
-    RoughFitTwelve(m, x) [6 -> 3] rough(m, x, fit_twelve);
-    RoughFitEight(m, x) [6 -> 3] rough(m, x, fit_eight);
-    RoughLazanyi(m, x) [6 -> 3] rough(m, x, lazanyi);
-    RoughTinted(m, x) [6 -> 3] rough(m, x, tinted);
-    RoughConductorApprox(m, x) [6 -> 3] rough(m, x, conductor_approx);
-    RoughLazanyiUncorrected(m, x) [6 -> 3] rough(m, x, lazanyi_uncorrected);
-    RoughSchlick(m, x) [6 -> 3] rough(m, x, schlick);
+    RoughConductor(m, x) [6 -> 3] rough!(m, x, conductor);
+    RoughFitTwelve(m, x) [6 -> 3] rough!(m, x, fit_twelve);
+    RoughFitEight(m, x) [6 -> 3] rough!(m, x, fit_eight);
+    RoughLazanyi(m, x) [6 -> 3] rough!(m, x, lazanyi);
+    RoughTinted(m, x) [6 -> 3] rough!(m, x, tinted);
+    RoughConductorApprox(m, x) [6 -> 3] rough!(m, x, conductor_approx);
+    RoughLazanyiUncorrected(m, x) [6 -> 3] rough!(m, x, lazanyi_uncorrected);
+    RoughSchlick(m, x) [6 -> 3] rough!(m, x, schlick);
 }
