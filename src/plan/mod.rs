@@ -23,6 +23,7 @@
 
 pub(crate) mod chain;
 mod interface;
+mod reflectance;
 mod rule;
 pub(crate) mod stage;
 
@@ -34,6 +35,7 @@ use alloc::vec::Vec;
 use chain::{Chain, Stage, Surface, Way};
 use core::fmt;
 use interface::{AnyConductor, AnyDielectric, Conductor, Dielectric, Each, Fitted, Grey, Metal};
+pub use reflectance::Reflectance;
 pub use rule::{Applied, Rule};
 use stage::{Absorption, Base, Lobe, Passage};
 
