@@ -203,7 +203,6 @@ impl<V: Viewers, const K: usize> Work for Run<'_, V, K> {
 
 /// Takes the pairs from `start` to `end` through the stages.
 #[inline(always)]
-#[allow(clippy::needless_range_loop)]
 fn block<L: Lanes, const K: usize>(
     chain: &Chain<K>,
     wi: [&[f32]; 3],

@@ -37,7 +37,7 @@ impl Dielectric {
     /// None where the fraction's parts would leave the range of f32, or light may be totally reflected.
     pub(crate) fn new(n: f64, n_above: f64) -> Option<Self> {
         let fits = n > n_above && n <= 30.0 * n_above && (0.03..=30.0).contains(&n_above);
-        fits.then(|| Dielectric { step: (n - n_above) * (n + n_above), square: n * n, above: n_above * n_above })
+        fits.then_some(Dielectric { step: (n - n_above) * (n + n_above), square: n * n, above: n_above * n_above })
     }
 
     /// T of one direction as a fraction: 2ck·(P + N²A²S)/(S·P), S = (c+k)², P = (N²c + A²k)².
