@@ -8,6 +8,7 @@ pub mod interp;
 mod kernel;
 mod signature;
 
+pub use crate::wgsl::{specialise, specialise_scene};
 pub use kernel::{STORAGE_BINDING, map_kernel};
 pub use signature::{Leaf, Member, Parameter, Scalar, Signature, Type};
 
