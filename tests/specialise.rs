@@ -49,7 +49,7 @@ fn stacks_of_every_kind() -> Vec<(String, Vec<Layer<f64, 3>>)> {
         ("grey metal", single(Interface::conductor([1.5; 3], [4.0; 3], 0.2))),
         ("conductor", single(Interface::conductor([3.0, 2.5, 4.0], [1.0, 0.5, 0.3], 0.2))),
         ("weak conductor", single(Interface::conductor([1.3, 1.1, 1.2], [0.05, 0.02, 0.0], 0.2))),
-        ("glass", single(Interface::dielectric(1.5, 0.2))),
+        ("bare glass", single(Interface::dielectric(1.5, 0.2))),
         ("bubble", single(Interface::dielectric(0.7, 0.2))),
         ("clear coat", vec![coat(1.5, 0.1), base(copper(0.3))]),
         ("tinted coat", vec![tinted(coat(1.5, 0.1)), base(copper(0.3))]),
@@ -209,10 +209,10 @@ fn modules_hold_only_what_they_need() {
         }
     };
     let below = ["refract", "absorb", "diffuse", "transmitted", "stack_layer"];
-    without("metal", &[&below[..], &["dielectric", "conductor"]].concat());
-    without("glass", &[&below[..], &["metal", "conductor"]].concat());
-    without("clear coat", &["absorb", "diffuse", "conductor", "goes_on"]);
-    without("lambert", &["oren_nayar", "metal", "conductor"]);
+    without("metal", &[&below[..], &["dielectric", "_conductor"]].concat());
+    without("bare glass", &[&below[..], &["metal", "_conductor"]].concat());
+    without("clear coat", &["absorb", "diffuse", "_conductor", "goes_on"]);
+    without("lambert", &["oren_nayar", "metal", "_conductor"]);
     without("opaque", &["metal", "absorb", "transmitted"]);
     without("matched coat", &["transmitted", "dielectric", "m1_"]);
     for (name, stack) in every_stack() {
@@ -312,7 +312,7 @@ fn adapters_agree_with_the_general_kernel() {
                     let (own, other): (WgslInterval, WgslInterval) =
                         (bounds[index][channel], general_bounds[index][channel]);
                     assert!(special.is_finite(), "{name} at {pair:?} on {}", gpu.info());
-                    if !own.is_bounded() || !other.is_bounded() {
+                    if !own.is_bounded() {
                         open += 1;
                         continue;
                     }
@@ -323,6 +323,10 @@ fn adapters_agree_with_the_general_kernel() {
                         "{name} at {pair:?} on {}: {special:e} is not in {own:?}\n{source}",
                         gpu.info()
                     );
+                    // The rules may be silent about the general text where it divides after an open comparison.
+                    if !other.is_bounded() {
+                        continue;
+                    }
                     let room = (own.high() - own.low()) + (other.high() - other.low()) + tiny;
                     assert!(
                         (special - general).abs() <= room,
