@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::material::{self, Change, Material};
 use crate::shader::{as_json, counts};
 use brdf::Vector;
-use brdf::gpu::{Gpu, GpuError, Lap, StackBuffers, Stopwatch, layer_bytes, wgpu};
+use brdf::gpu::{Gpu, GpuError, Lap, Stopwatch, layer_bytes, wgpu};
 use brdf::layered::Stack;
 use brdf::plan::Plan;
 use brdf::shader::Counts;
