@@ -363,3 +363,21 @@ fn unknown_families_are_refused() {
     let error = last_error(&brdf(&["bench", "terms", "fresnell"], ""));
     assert!(error.contains("fresnell") && error.contains("fresnel, distribution"), "{error}");
 }
+
+#[test]
+fn shader_prints_what_a_stack_needs() {
+    let special = brdf(&["shader", "copper"], "");
+    assert_eq!(special.status.code(), Some(0), "{}", text(&special.stderr));
+    let special = text(&special.stdout);
+    assert!(special.contains("fn copper(wi: vec3f, wo: vec3f) -> vec3f") && !special.contains("refract"), "{special}");
+    let general = text(&brdf(&["shader", "copper", "--general"], "").stdout);
+    assert!(general.contains("layered_conserving") && general.contains("stack_layers"), "{general}");
+    let scene = text(&brdf(&["shader", "copper", "gold"], "").stdout);
+    assert!(scene.contains("fn scene(material: u32, wi: vec3f, wo: vec3f) -> vec3f"), "{scene}");
+    let counts = brdf(&["shader", "copper", "--count", "--json"], "");
+    let counts: Value = serde_json::from_slice(&counts.stdout).expect("JSON");
+    let instructions = |name: &str| counts[name]["counts"]["spirv_instructions"].as_u64().expect("a count");
+    assert!(4 * instructions("special") < instructions("general"), "{counts}");
+    assert!(last_error(&brdf(&["shader", "copper", "--model", "walk"], "")).contains("no closed form"));
+    assert!(last_error(&brdf(&["shader", "copper", "copper"], "")).contains("twice"));
+}

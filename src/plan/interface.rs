@@ -26,11 +26,11 @@ pub(crate) trait Transmits<const K: usize> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Dielectric {
     /// N² − A².
-    step: f64,
+    pub(crate) step: f64,
     /// N².
-    square: f64,
+    pub(crate) square: f64,
     /// A².
-    above: f64,
+    pub(crate) above: f64,
 }
 
 impl Dielectric {
@@ -115,9 +115,9 @@ impl<const K: usize> Transmits<K> for AnyDielectric {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Conductor {
     /// N² − K² − A².
-    real: f64,
+    pub(crate) real: f64,
     /// N·K.
-    product: f64,
+    pub(crate) product: f64,
 }
 
 impl Conductor {
@@ -167,9 +167,9 @@ impl Conductor {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Metal {
     /// (N² − K² − A²)/2.
-    half_real: f64,
+    pub(crate) half_real: f64,
     /// N·K.
-    product: f64,
+    pub(crate) product: f64,
 }
 
 impl Metal {

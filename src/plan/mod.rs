@@ -22,7 +22,7 @@
 //! ```
 
 pub(crate) mod chain;
-mod interface;
+pub(crate) mod interface;
 mod reflectance;
 mod rule;
 pub(crate) mod stage;

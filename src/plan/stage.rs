@@ -122,9 +122,9 @@ impl<W: Real<Wide = W>, const K: usize> Ray<W, K> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Lobe {
     /// 1/α².
-    inverse_square: f64,
+    pub(crate) inverse_square: f64,
     /// 1/(4πα²), times what f is scaled by.
-    scale: f64,
+    pub(crate) scale: f64,
     /// The index of the medium above.
     pub(crate) n_above: f64,
 }
@@ -174,17 +174,19 @@ impl Lobe {
 /// The way through an interface, in and out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Passage {
-    /// n² − 1 of the medium below.
-    excess: f64,
+    /// n of the medium below.
+    pub(crate) n: f64,
+    /// n² − 1.
+    pub(crate) excess: f64,
     /// n² of the medium below less that of the one above.
-    step: f64,
+    pub(crate) step: f64,
     /// The index above.
     pub(crate) n_above: f64,
 }
 
 impl Passage {
     pub(crate) fn new(n_above: f64, n: f64) -> Self {
-        Passage { excess: (n - 1.0) * (n + 1.0), step: (n - n_above) * (n + n_above), n_above }
+        Passage { n, excess: (n - 1.0) * (n + 1.0), step: (n - n_above) * (n + n_above), n_above }
     }
 
     /// Refracts both directions about the macro normal; `top` are their cosines above the stack. What they were is returned.
@@ -314,7 +316,7 @@ pub(crate) struct Base<const K: usize> {
 
 impl<const K: usize> Base<K> {
     /// What f is multiplied with: 1/n² or 1.
-    fn scale(&self) -> f64 {
+    pub(crate) fn scale(&self) -> f64 {
         if self.compressed { 1.0 / (self.n_above * self.n_above) } else { 1.0 }
     }
 

@@ -4,10 +4,13 @@
 //! every type flattened to 32-bit words; [`map_kernel`] writes the compute entry point that maps such a function over rows
 //! of words. Nothing here needs an adapter.
 
+mod count;
 pub mod interp;
 mod kernel;
 mod signature;
 
+pub use crate::wgsl::{specialise, specialise_scene};
+pub use count::Counts;
 pub use kernel::{STORAGE_BINDING, map_kernel};
 pub use signature::{Leaf, Member, Parameter, Scalar, Signature, Type};
 

@@ -42,6 +42,7 @@
 mod error;
 mod link;
 mod names;
+mod specialise;
 pub(crate) mod token;
 mod unit;
 
@@ -50,6 +51,7 @@ mod tests;
 
 pub use error::LinkError;
 pub use link::mangled;
+pub use specialise::{identifier, specialise, specialise_scene};
 
 use alloc::string::String;
 use unit::{Kind, Unit};

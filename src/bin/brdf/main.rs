@@ -8,6 +8,7 @@ mod list;
 mod material;
 mod parity;
 mod plot;
+mod shader;
 mod term;
 
 use clap::{Parser, Subcommand};
@@ -33,6 +34,8 @@ enum Command {
     Parity(parity::Options),
     /// Measure run time against error.
     Bench(bench::Options),
+    /// Print the WGSL of stacks: what they need and nothing else, or the general kernels.
+    Shader(shader::Options),
     /// Draw a term as SVG.
     Plot(plot::Options),
 }
@@ -44,6 +47,7 @@ fn main() -> ExitCode {
         Command::Check(options) => check::run(&options),
         Command::Parity(options) => parity::run(&options),
         Command::Bench(options) => bench::run(&options),
+        Command::Shader(options) => shader::run(&options),
         Command::Plot(options) => plot::run(&options),
     };
     match result {

@@ -6,6 +6,7 @@ mod document;
 mod host;
 mod layered;
 mod machine;
+mod shaders;
 mod terms;
 
 use crate::failure::Failure;
@@ -25,6 +26,8 @@ enum Subject {
     Terms(terms::Options),
     /// The models of layered stacks against the walk: albedo, f, time and tables.
     Layered(layered::Options),
+    /// The WGSL of stacks against the general kernel, on every adapter.
+    Shaders(shaders::Options),
     /// The measured peak of this processor: multiply-adds, divides, roots and copying.
     Machine(machine::Options),
     /// Writes docs/performance.md and its charts from measurements made now.
@@ -35,6 +38,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
     match &options.subject {
         Subject::Terms(options) => terms::run(options),
         Subject::Layered(options) => layered::run(options),
+        Subject::Shaders(options) => shaders::run(options),
         Subject::Machine(options) => machine::run(options),
         Subject::Document(options) => document::run(options),
     }
