@@ -7,6 +7,7 @@ mod failure;
 mod list;
 mod material;
 mod parity;
+mod plan;
 mod plot;
 mod term;
 
@@ -33,6 +34,8 @@ enum Command {
     Parity(parity::Options),
     /// Measure run time against error.
     Bench(bench::Options),
+    /// Say what must be computed of a stack, what was left out and why, and what it costs.
+    Plan(plan::Options),
     /// Draw a term as SVG.
     Plot(plot::Options),
 }
@@ -44,6 +47,7 @@ fn main() -> ExitCode {
         Command::Check(options) => check::run(&options),
         Command::Parity(options) => parity::run(&options),
         Command::Bench(options) => bench::run(&options),
+        Command::Plan(options) => plan::run(&options),
         Command::Plot(options) => plot::run(&options),
     };
     match result {
