@@ -286,3 +286,80 @@ fn the_models_are_measured_against_the_walk() {
         assert!(drawn.contains(label), "{label}");
     }
 }
+
+/// A number that is finite and positive.
+fn positive(value: &Value) -> f64 {
+    value.as_f64().filter(|x| x.is_finite() && *x > 0.0).unwrap_or_else(|| panic!("{value} is no positive number"))
+}
+
+#[test]
+fn the_machine_has_peaks() {
+    let output = brdf(&["bench", "machine", "--quick", "--json"], "");
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert!(json["processor"].as_str().is_some_and(|name| !name.is_empty()));
+    let date = json["date"].as_str().expect("a date");
+    assert!(date.len() == 10 && date > "2025-01-01", "{date}");
+    let peaks = json["peaks"].as_array().expect("a list");
+    assert_eq!(peaks[0]["level"], "baseline");
+    for peak in peaks {
+        for rate in ["multiply_adds_per_s", "operations_per_s", "divides_per_s", "roots_per_s"] {
+            positive(&peak[rate]);
+        }
+    }
+    let rates = json["copy"]["rates"].as_array().expect("a list");
+    assert_eq!(rates.len(), 2);
+    rates.iter().for_each(|rate| assert!(positive(&rate["bytes_per_s"]) > 1e6));
+}
+
+#[test]
+fn terms_are_measured_and_drawn() {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("bench");
+    let pictures = folder.to_str().expect("a path in UTF-8");
+    let output =
+        brdf(&["bench", "terms", "fresnel", "whole", "--cpu-only", "--quick", "--json", "--svg", pictures], "");
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let families = json["families"].as_array().expect("a list");
+    let keys: Vec<_> = families.iter().map(|family| family["key"].as_str().expect("a name")).collect();
+    assert_eq!(keys, ["fresnel-metal", "fresnel-glass", "whole"]);
+    for family in families {
+        let picture = folder.join(format!("bench-{}.svg", family["key"].as_str().expect("a name")));
+        let drawn = std::fs::read_to_string(picture).expect("the picture");
+        for variant in family["variants"].as_array().expect("a list") {
+            assert!(drawn.contains(variant["name"].as_str().expect("a name")), "{variant}");
+            let points = variant["points"].as_array().expect("a list");
+            let batches = brdf::batch::Level::available().count();
+            assert_eq!(points.len(), 1 + batches + 1, "scalar, each level, all threads: {variant}");
+            for point in points {
+                positive(&point["ns"]);
+                let [max, mean, rare] = ["max", "mean", "p999"].map(|name| positive(&point["error"][name]));
+                assert!(mean <= rare && rare <= max, "{point}");
+            }
+        }
+    }
+    let largest = |family: usize, variant: &str, way: &str| {
+        let mut variants = families[family]["variants"].as_array().expect("a list").iter();
+        let points = &variants.find(|row| row["name"] == variant).expect("a variant of this name")["points"];
+        let of_way = points.as_array().expect("a list").iter().filter(|point| point["way"] == way);
+        of_way.map(|point| positive(&point["error"]["max"])).fold(0.0, f64::max)
+    };
+    // .6 ULP below 1 in f32; some ULP of it in a batch; what the documentation of each says.
+    assert!(largest(0, "exact conductor", "scalar") <= 0.6 * 2f64.powi(-24));
+    assert!(largest(0, "exact conductor", "batch") <= 16.0 * 2f64.powi(-24));
+    assert!(largest(1, "exact dielectric", "batch") <= 16.0 * 2f64.powi(-24));
+    assert!(largest(0, "Fit 8", "batch") <= 2.2e-5 && largest(0, "Fit 12", "batch") <= 1.1e-6);
+    assert!(largest(0, "table, 128 × 8 bits", "batch") <= 2.6e-3);
+    assert!((largest(0, "Lazányi, uncorrected", "scalar") - 0.041).abs() < 1e-3);
+    assert!(largest(2, "exact conductor", "batch") <= 1.3e-5, "FORMULAS: α ≥ .05");
+    for place in json["limit"]["places"].as_array().expect("a list") {
+        positive(&place["ns"]);
+        positive(&place["bound_ns"]);
+    }
+}
+
+#[test]
+fn unknown_families_are_refused() {
+    let error = last_error(&brdf(&["bench", "terms", "fresnell"], ""));
+    assert!(error.contains("fresnell") && error.contains("fresnel, distribution"), "{error}");
+}

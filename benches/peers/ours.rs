@@ -8,13 +8,12 @@
 //! * `error NAME STEP FLOOR`: the relative errors of the last `eval NAME` against f64 at every STEP-th pair where f > FLOOR.
 //! * `write NAME PATH`: the last result as three arrays of f32.
 
-use brdf::fresnel::Fit;
-use brdf::layered::{Interface, Layer, Model, Stack};
+use brdf::batch::{self, Kernel};
+use brdf::layered::{Interface, Layer, Medium, Model, Stack};
 use brdf::material::metal;
-use brdf::microfacet::{cos_half, facets, torrance_sparrow};
-use brdf::refraction::refract;
-use brdf::single::Single;
-use brdf::{Real, Vector, absorption, distribution, fresnel, half_vector, masking};
+use brdf::microfacet::cos_half;
+use brdf::plan::Plan;
+use brdf::{Real, Vector, distribution, fresnel, half_vector, masking};
 use std::error::Error;
 use std::io::{BufRead, Write};
 use std::sync::LazyLock;
@@ -86,19 +85,6 @@ impl<T> Halves<T> for [(T, T); 3] {
     }
 }
 
-/// A scalar function over a part, pair by pair.
-fn each(
-    [ix, iy, iz]: [&[f32]; 3],
-    [ox, oy, oz]: [&[f32]; 3],
-    [r, g, b]: [&mut [f32]; 3],
-    evaluate: impl Fn(Vector<Single>, Vector<Single>) -> [Single; 3],
-) {
-    for i in 0..r.len() {
-        let vector = |x: &[f32], y: &[f32], z: &[f32]| Vector::new(Single(x[i]), Single(y[i]), Single(z[i]));
-        [r[i], g[i], b[i]] = evaluate(vector(ix, iy, iz), vector(ox, oy, oz)).map(f32::from);
-    }
-}
-
 // The materials. `peer.py` has the same numbers.
 
 const METAL_ALPHA: f64 = 0.3;
@@ -117,84 +103,65 @@ static STACK: LazyLock<Stack<f64, 3>> = LazyLock::new(|| {
         .expect("every number is in its range")
 });
 
-static COPPER_FIT: LazyLock<Fit<3, 8>> = LazyLock::new(|| Fit::new(COPPER.0, COPPER.1).expect("copper's F is smooth"));
-static COAT_FIT: LazyLock<Fit<1, 8>> = LazyLock::new(|| Fit::new([COAT_INDEX], [0.0]).expect("F at 1.5 is smooth"));
-static COATED_COPPER_FIT: LazyLock<Fit<3, 8>> = LazyLock::new(|| {
-    let relative = |index: [f64; 3]| index.map(|x| x / COAT_INDEX);
-    Fit::new(relative(COPPER.0), relative(COPPER.1)).expect("copper's F is smooth under a coat, too")
+/// The largest error of F that the fitted subjects allow.
+const FITTED: f64 = 1e-6;
+
+static METAL: LazyLock<Stack<f64, 3>> = LazyLock::new(|| {
+    let (n, k) = *COPPER;
+    let metal = Layer::new(Interface::conductor(n, k, METAL_ALPHA));
+    Stack::new(Model::Conserving, vec![metal]).expect("every number is in its range")
 });
 
-// The scalar formulas, over Single where they are timed and over f64 as the truth.
+/// The coat without its absorption.
+static CLEAR: LazyLock<Stack<f64, 3>> = LazyLock::new(|| {
+    let mut layers = STACK.layers().to_vec();
+    layers[0].medium = Medium::CLEAR;
+    Stack::new(Model::Conserving, layers).expect("every number is in its range")
+});
 
-fn beckmann<R: Real>(wi: Vector<R>, wo: Vector<R>) -> [R; 3] {
-    let (n, k) = &*COPPER;
-    let one = |i: usize| torrance_sparrow(wi, wo, R::from_f64(n[i]), R::from_f64(k[i]), R::from_f64(METAL_ALPHA)).f;
-    [one(0), one(1), one(2)]
+fn plan(stack: &Stack<f64, 3>, max_error: f64) -> Plan<3> {
+    Plan::with_error(stack, max_error).expect("the model has a closed form")
 }
 
-fn beckmann_fitted<R: Real>(wi: Vector<R>, wo: Vector<R>) -> [R; 3] {
-    let lobe = facets(wi, wo, R::from_f64(METAL_ALPHA)).lobe;
-    COPPER_FIT.reflectance(cos_half(wi, wo)).map(|f| f * lobe)
+static METAL_PLAN: LazyLock<Plan<3>> = LazyLock::new(|| plan(&METAL, 0.0));
+static METAL_FITTED: LazyLock<Plan<3>> = LazyLock::new(|| plan(&METAL, FITTED));
+static CLEAR_PLAN: LazyLock<Plan<3>> = LazyLock::new(|| plan(&CLEAR, 0.0));
+static TINTED_PLAN: LazyLock<Plan<3>> = LazyLock::new(|| plan(&STACK, 0.0));
+static TINTED_FITTED: LazyLock<Plan<3>> = LazyLock::new(|| plan(&STACK, FITTED));
+
+/// GGX under Smith's correlated masking, by the terms' own formulas.
+struct Ggx;
+
+impl Kernel<6, 3> for Ggx {
+    #[inline(always)]
+    fn evaluate<R: Real<Wide = R>>(&self, [ix, iy, iz, ox, oy, oz]: [R; 6]) -> [R; 3] {
+        ggx(Vector::new(ix, iy, iz), Vector::new(ox, oy, oz))
+    }
 }
 
-fn ggx_lobe<R: Real>(wi: Vector<R>, wo: Vector<R>) -> R {
-    let alpha = R::from_f64(METAL_ALPHA);
-    distribution::ggx(half_vector(wi, wo), alpha) * masking::smith_ggx(wi, wo, alpha, alpha).visibility
-}
-
+#[inline(always)]
 fn ggx<R: Real>(wi: Vector<R>, wo: Vector<R>) -> [R; 3] {
     let (n, k) = &*COPPER;
-    let (cos, lobe) = (cos_half(wi, wo), ggx_lobe(wi, wo));
-    let one = |i: usize| fresnel::conductor(cos, R::from_f64(n[i]), R::from_f64(k[i])).reflectance * lobe;
-    [one(0), one(1), one(2)]
+    let alpha = R::from_f64(METAL_ALPHA);
+    let lobe = distribution::ggx(half_vector(wi, wo), alpha) * masking::smith_ggx(wi, wo, alpha, alpha).visibility;
+    let cos = cos_half(wi, wo);
+    let mut f = [R::ZERO; 3];
+    for i in 0..3 {
+        f[i] = fresnel::conductor(cos, R::from_f64(n[i]), R::from_f64(k[i])).reflectance * lobe;
+    }
+    f
 }
 
-fn ggx_fitted<R: Real>(wi: Vector<R>, wo: Vector<R>) -> [R; 3] {
-    let lobe = ggx_lobe(wi, wo);
-    COPPER_FIT.reflectance(cos_half(wi, wo)).map(|f| f * lobe)
-}
+// What is timed: a function for each subject.
 
-/// [`STACK`] with fitted Fresnel terms, from the terms that `layered::conserving` is made of.
-fn coated_fitted<R: Real>(wi: Vector<R>, wo: Vector<R>) -> [R; 3] {
-    let eta = R::from_f64(COAT_INDEX);
-    let [coat] = COAT_FIT.reflectance(cos_half(wi, wo));
-    let coat = coat * facets(wi, wo, R::from_f64(COAT_ALPHA)).lobe;
-    let ([ti], [to]) = (COAT_FIT.transmittance(wi.z), COAT_FIT.transmittance(wo.z));
-    let (below_i, below_o) = (refract(wi, eta), refract(wo, eta));
-    let base = facets(below_i, below_o, R::from_f64(METAL_ALPHA)).lobe * ti * to / (eta * eta);
-    let reflectance = COATED_COPPER_FIT.reflectance(cos_half(below_i, below_o));
-    let one = |i: usize| {
-        let absorbed = absorption::transmittance(R::from_f64(SIGMA[i]), R::from_f64(THICKNESS), below_i.z, below_o.z);
-        coat + base * reflectance[i] * absorbed
-    };
-    [one(0), one(1), one(2)]
-}
-
-// What is timed: a function for each subject. TODO(batch): put the call of brdf::batch in place of `each`.
-
-fn conductor_beckmann(directions: &Directions, threads: usize, out: &mut Output) {
-    split(directions, threads, out, |wi, wo, out| each(wi, wo, out, beckmann));
-}
-
-fn conductor_beckmann_fitted(directions: &Directions, threads: usize, out: &mut Output) {
-    split(directions, threads, out, |wi, wo, out| each(wi, wo, out, beckmann_fitted));
+fn planned(plan: &Plan<3>, directions: &Directions, threads: usize, out: &mut Output) {
+    split(directions, threads, out, |wi, wo, out| plan.evaluate_batch(wi, wo, out).expect("arrays of one length"));
 }
 
 fn conductor_ggx(directions: &Directions, threads: usize, out: &mut Output) {
-    split(directions, threads, out, |wi, wo, out| each(wi, wo, out, ggx));
-}
-
-fn conductor_ggx_fitted(directions: &Directions, threads: usize, out: &mut Output) {
-    split(directions, threads, out, |wi, wo, out| each(wi, wo, out, ggx_fitted));
-}
-
-fn layered(directions: &Directions, threads: usize, out: &mut Output) {
-    let stack = STACK.cast::<Single>();
-    split(directions, threads, out, |wi, wo, out| each(wi, wo, out, |wi, wo| stack.evaluate(wi, wo)));
-}
-
-fn layered_fitted(directions: &Directions, threads: usize, out: &mut Output) {
-    split(directions, threads, out, |wi, wo, out| each(wi, wo, out, coated_fitted));
+    split(directions, threads, out, |[a, b, c], [d, e, f], out| {
+        batch::map(&Ggx, [a, b, c, d, e, f], out).expect("arrays of one length");
+    });
 }
 
 struct Subject {
@@ -205,12 +172,32 @@ struct Subject {
 }
 
 const SUBJECTS: [Subject; 6] = [
-    Subject { name: "conductor_beckmann", run: conductor_beckmann, exact: beckmann },
-    Subject { name: "conductor_beckmann_fitted", run: conductor_beckmann_fitted, exact: beckmann },
+    Subject {
+        name: "conductor_beckmann",
+        run: |directions, threads, out| planned(&METAL_PLAN, directions, threads, out),
+        exact: |wi, wo| METAL.evaluate(wi, wo),
+    },
+    Subject {
+        name: "conductor_beckmann_fitted",
+        run: |directions, threads, out| planned(&METAL_FITTED, directions, threads, out),
+        exact: |wi, wo| METAL.evaluate(wi, wo),
+    },
     Subject { name: "conductor_ggx", run: conductor_ggx, exact: ggx },
-    Subject { name: "conductor_ggx_fitted", run: conductor_ggx_fitted, exact: ggx },
-    Subject { name: "layered", run: layered, exact: |wi, wo| STACK.evaluate(wi, wo) },
-    Subject { name: "layered_fitted", run: layered_fitted, exact: |wi, wo| STACK.evaluate(wi, wo) },
+    Subject {
+        name: "layered",
+        run: |directions, threads, out| planned(&CLEAR_PLAN, directions, threads, out),
+        exact: |wi, wo| CLEAR.evaluate(wi, wo),
+    },
+    Subject {
+        name: "layered_tinted",
+        run: |directions, threads, out| planned(&TINTED_PLAN, directions, threads, out),
+        exact: |wi, wo| STACK.evaluate(wi, wo),
+    },
+    Subject {
+        name: "layered_tinted_fitted",
+        run: |directions, threads, out| planned(&TINTED_FITTED, directions, threads, out),
+        exact: |wi, wo| STACK.evaluate(wi, wo),
+    },
 ];
 
 /// The largest and the 99.9th percentile of |f − exact|/exact over every `step`-th pair and all channels.

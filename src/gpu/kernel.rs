@@ -122,7 +122,7 @@ impl Kernel {
     }
 
     fn misfit(&self, reason: String) -> GpuError {
-        GpuError::Arguments { function: self.signature.name.clone(), reason }
+        misfit(&self.signature.name, reason)
     }
 
     fn check_storage(&self, storage: &[&[u8]]) -> Result<(), GpuError> {
@@ -193,23 +193,33 @@ impl Kernel {
         encoder.copy_buffer_to_buffer(&buffers.output, 0, &buffers.back, 0, bytes);
         queue.submit([encoder.finish()]);
 
-        let (sender, receiver) = mpsc::channel();
-        buffers.back.map_async(wgpu::MapMode::Read, 0..bytes, move |mapped| {
-            // The receiver is gone only where this call has returned.
-            let _ = sender.send(mapped);
-        });
-        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| self.gpu.lost(&error.to_string()))?;
-        match receiver.try_recv() {
-            Ok(Ok(())) => {}
-            Ok(Err(error)) => return Err(self.gpu.lost(&error.to_string())),
-            Err(error) => return Err(self.gpu.lost(&format!("the results were not mapped: {error}"))),
-        }
-        let mapped = buffers.back.get_mapped_range(0..bytes).map_err(|error| self.gpu.lost(&error.to_string()))?;
+        let mapped = await_bytes(&self.gpu, &buffers.back, bytes)?;
         bytemuck::cast_slice_mut(output).copy_from_slice(&mapped);
         drop(mapped);
         buffers.back.unmap();
         Ok(())
     }
+}
+
+/// Waits for the work on a device, and maps the start of a buffer that it wrote.
+pub(super) fn await_bytes(gpu: &Gpu, buffer: &wgpu::Buffer, bytes: u64) -> Result<wgpu::BufferView, GpuError> {
+    let (sender, receiver) = mpsc::channel();
+    buffer.map_async(wgpu::MapMode::Read, 0..bytes, move |mapped| {
+        // The receiver is gone only where this call has returned.
+        let _ = sender.send(mapped);
+    });
+    gpu.device().poll(wgpu::PollType::wait_indefinitely()).map_err(|error| gpu.lost(&error.to_string()))?;
+    match receiver.try_recv() {
+        Ok(Ok(())) => {}
+        Ok(Err(error)) => return Err(gpu.lost(&error.to_string())),
+        Err(error) => return Err(gpu.lost(&format!("the results were not mapped: {error}"))),
+    }
+    buffer.get_mapped_range(0..bytes).map_err(|error| gpu.lost(&error.to_string()))
+}
+
+/// Arguments that do not fit a function.
+pub(super) fn misfit(function: &str, reason: String) -> GpuError {
+    GpuError::Arguments { function: function.to_owned(), reason }
 }
 
 /// What one run allocates, sized for its largest dispatch.

@@ -26,6 +26,7 @@ mod kernel;
 mod layers;
 mod policy;
 mod rows;
+mod stopwatch;
 
 pub use adapter::{AdapterInfo, adapters};
 pub use error::GpuError;
@@ -35,6 +36,7 @@ pub use layers::{
 };
 pub use policy::{Policy, policy};
 pub use rows::{columns, rows};
+pub use stopwatch::{Lap, Stopwatch};
 pub use wgpu;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -109,6 +111,8 @@ impl Gpu {
     fn request(info: &AdapterInfo, adapter: &wgpu::Adapter) -> Result<Self, GpuError> {
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("brdf"),
+            // For `Stopwatch`, which does without where there are none.
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
             required_limits: adapter.limits(),
             memory_hints: wgpu::MemoryHints::MemoryUsage,
             ..Default::default()

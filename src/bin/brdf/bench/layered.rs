@@ -142,7 +142,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
     }
     progress.finish_and_clear();
     if let Some(path) = &options.svg {
-        let picture = chart::draw(&measured, options.walks)
+        let picture = chart::layered(&measured, options.walks)
             .map_err(|error| format!("the picture could not be drawn: {error}"))?;
         std::fs::write(path, picture).map_err(|error| format!("{}: {error}", path.display()))?;
     }

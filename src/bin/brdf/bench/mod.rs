@@ -1,7 +1,12 @@
 //! `brdf bench`: run time against error.
 
 mod chart;
+mod clock;
+mod document;
+mod host;
 mod layered;
+mod machine;
+mod terms;
 
 use crate::failure::Failure;
 use clap::{Args, Subcommand};
@@ -16,12 +21,21 @@ pub(crate) struct Options {
 
 #[derive(Subcommand)]
 enum Subject {
+    /// Every variant of the terms and of a whole BRDF: error against time, scalar, in batches and on adapters.
+    Terms(terms::Options),
     /// The models of layered stacks against the walk: albedo, f, time and tables.
     Layered(layered::Options),
+    /// The measured peak of this processor: multiply-adds, divides, roots and copying.
+    Machine(machine::Options),
+    /// Writes docs/performance.md and its charts from measurements made now.
+    Document(document::Options),
 }
 
 pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
     match &options.subject {
+        Subject::Terms(options) => terms::run(options),
         Subject::Layered(options) => layered::run(options),
+        Subject::Machine(options) => machine::run(options),
+        Subject::Document(options) => document::run(options),
     }
 }

@@ -1,17 +1,8 @@
-//! Error against cost as SVG: both logarithmic, the lower left is better.
+//! The chart of layered stacks.
 
-use super::layered::{Measured, VARIANTS, label};
+use super::super::layered::{Measured, VARIANTS, label};
+use super::{Axes, COLOURS, plane};
 use plotters::prelude::*;
-
-// Okabe & Ito's palette, told apart by every kind of eye.
-const COLOURS: [RGBColor; 6] = [
-    RGBColor(213, 94, 0),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(0, 114, 178),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-];
 
 /// The range of errors; what lies outside is drawn on the edge.
 const FLOOR: f64 = 1e-3;
@@ -20,7 +11,7 @@ const CEILING: f64 = 20.0;
 const LONGEST: f64 = 1e9;
 
 /// The chart of all stacks: a point for each model of each, and the walk as a band of lines, whose error falls as 1/√cost.
-pub(super) fn draw(measured: &[Measured], walks: u32) -> Result<String, Box<dyn std::error::Error>> {
+pub(in crate::bench) fn layered(measured: &[Measured], walks: u32) -> Result<String, Box<dyn std::error::Error>> {
     // Drawn at twice the size it is shown at: coordinates are whole numbers.
     let mut svg = String::new();
     {
@@ -28,22 +19,17 @@ pub(super) fn draw(measured: &[Measured], walks: u32) -> Result<String, Box<dyn 
         area.fill(&WHITE)?;
         let rows = || measured.iter().flat_map(|stack| &stack.rows);
         let fastest = rows().map(|row| row.ns).fold(f64::INFINITY, f64::min);
-        let mut chart = ChartBuilder::on(&area)
-            .caption("layered stacks: error of f against the walk, by cost", ("sans-serif", 34))
-            .margin(24)
-            .x_label_area_size(80)
-            .y_label_area_size(120)
-            .build_cartesian_2d((0.5 * fastest..LONGEST).log_scale(), (FLOOR..CEILING).log_scale())?;
-        chart
-            .configure_mesh()
-            .light_line_style(TRANSPARENT)
-            .bold_line_style(BLACK.mix(0.12))
-            .x_label_formatter(&|ns| duration(*ns))
-            .y_label_formatter(&|error| format!("{} %", 100.0 * error))
-            .label_style(("sans-serif", 24))
-            .x_desc("time of an evaluation, one thread, all channels")
-            .y_desc("root mean square of f's relative error")
-            .draw()?;
+        let mut chart = plane(
+            &area,
+            &Axes {
+                caption: "layered stacks: error of f against the walk, by cost",
+                x: 0.5 * fastest..LONGEST,
+                y: FLOOR..CEILING,
+                x_name: "time of an evaluation, one thread, all channels",
+                y_name: "root mean square of f's relative error",
+                y_label: &|error| format!("{} %", 100.0 * error),
+            },
+        )?;
         let mut named = false;
         for stack in measured {
             let (error, ns, _) = stack.walk();
@@ -77,14 +63,4 @@ pub(super) fn draw(measured: &[Measured], walks: u32) -> Result<String, Box<dyn 
         area.present()?;
     }
     Ok(svg)
-}
-
-/// A time in the unit that suits it.
-fn duration(ns: f64) -> String {
-    match ns {
-        ns if ns < 1e3 => format!("{ns:.0} ns"),
-        ns if ns < 1e6 => format!("{:.0} µs", ns / 1e3),
-        ns if ns < 1e9 => format!("{:.0} ms", ns / 1e6),
-        ns => format!("{:.0} s", ns / 1e9),
-    }
 }
