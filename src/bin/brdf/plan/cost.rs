@@ -39,7 +39,7 @@ fn directions() -> [Vec<f32>; 6] {
     for i in 0..COUNT as i32 {
         let point = [1, 2, 3, 4].map(|axis| (0.5 + f64::from(i) * G.powi(-axis)).fract());
         for (direction, [u, v]) in [[point[0], point[1]], [point[2], point[3]]].into_iter().enumerate() {
-            let w = Vector::from_angles((0.02 + 0.98 * u).acos(), std::f64::consts::TAU * v);
+            let w = Vector::<f64>::from_angles((0.02 + 0.98 * u).acos(), std::f64::consts::TAU * v);
             for (axis, component) in [w.x, w.y, w.z].into_iter().enumerate() {
                 columns[3 * direction + axis].push(component as f32);
             }
