@@ -1,8 +1,10 @@
 //! Plans against the general evaluation of the same stack, and each rule at work.
 
 use brdf::Vector;
+use brdf::batch::{LengthError, Level};
 use brdf::layered::{Interface, Layer, Medium, Model, Stack};
-use brdf::plan::{Plan, Rule};
+use brdf::material::stack;
+use brdf::plan::{Options, Plan, Rule};
 
 /// Numbers in [0, 1): Steele, Lea & Flood 2014, SplitMix64.
 struct Random(u64);
@@ -88,10 +90,9 @@ impl Random {
     }
 }
 
-/// How far f of a plan may be off in f64, channel by channel: 1e-12 of it, and 8 times what moving a component of a direction
-/// or an index by 4 ε does to it. By a critical angle, behind a thinner medium at grazing, and where an exponent is large, that is
-/// what either way of computing it loses.
-fn allowed(stack: &Stack<f64, 3>, [wi, wo]: [Vector<f64>; 2]) -> [f64; 3] {
+/// The most that f of each channel changes by where a component of a direction or a number of a layer changes by this share of it.
+/// By a critical angle, behind a thinner medium at grazing, and where an exponent is large, that is what any way of computing f loses.
+fn moved(stack: &Stack<f64, 3>, [wi, wo]: [Vector<f64>; 2], share: f64) -> [f64; 3] {
     let f: [f64; 3] = stack.evaluate(wi, wo);
     let mut moved = [0.0f64; 3];
     let mut compare = |near: [f64; 3]| {
@@ -99,7 +100,7 @@ fn allowed(stack: &Stack<f64, 3>, [wi, wo]: [Vector<f64>; 2]) -> [f64; 3] {
             moved[channel] = moved[channel].max((near[channel] - f[channel]).abs());
         }
     };
-    for factor in [1.0 - 4.0 * f64::EPSILON, 1.0 + 4.0 * f64::EPSILON] {
+    for factor in [1.0 - share, 1.0 + share] {
         for component in 0..6 {
             let mut numbers: [f64; 6] = [wi.x, wi.y, wi.z, wo.x, wo.y, wo.z];
             numbers[component] *= factor;
@@ -107,13 +108,26 @@ fn allowed(stack: &Stack<f64, 3>, [wi, wo]: [Vector<f64>; 2]) -> [f64; 3] {
             compare(stack.evaluate(Vector::new(a, b, c), Vector::new(d, e, g)));
         }
         for position in 0..stack.layers().len() {
-            let mut layers = stack.layers().to_vec();
-            if let Interface::Microfacet { n, .. } = &mut layers[position].interface {
-                *n = n.map(|n| n * factor);
+            for number in 0..4 {
+                let mut layers = stack.layers().to_vec();
+                match (&mut layers[position], number) {
+                    (Layer { interface: Interface::Microfacet { n, .. }, .. }, 0) => *n = n.map(|n| n * factor),
+                    (Layer { interface: Interface::Microfacet { k, .. }, .. }, 1) => *k = k.map(|k| k * factor),
+                    (Layer { interface: Interface::Microfacet { alpha, .. }, .. }, 2) => *alpha = (*alpha * factor).min(1.0),
+                    (Layer { medium, .. }, 3) => medium.thickness *= factor,
+                    _ => continue,
+                }
+                compare(Stack::new(stack.model(), layers).expect("within the ranges").evaluate(wi, wo));
             }
-            compare(Stack::new(stack.model(), layers).expect("within the ranges").evaluate(wi, wo));
         }
     }
+    moved
+}
+
+/// How far f of a plan may be off in f64, channel by channel: 1e-12 of it, and 8 times what 4 ε of a number do to it.
+fn allowed(stack: &Stack<f64, 3>, pair: [Vector<f64>; 2]) -> [f64; 3] {
+    let f: [f64; 3] = stack.evaluate(pair[0], pair[1]);
+    let moved = moved(stack, pair, 4.0 * f64::EPSILON);
     [0, 1, 2].map(|c| 1e-12 * f[c] + 8.0 * moved[c] + 1e-30)
 }
 
@@ -146,5 +160,94 @@ fn plans_mean_what_their_stacks_mean() {
     println!("largest relative difference {worst:e}");
     for rule in Rule::ALL {
         assert!(seen.get(&rule).is_some_and(|times| *times > 20), "{rule} was hardly ever applied: {seen:?}");
+    }
+}
+
+/// Structure of arrays, as a batch takes them.
+fn columns(pairs: &[[Vector<f32>; 2]]) -> [Vec<f32>; 6] {
+    let one = |c: usize| {
+        let number = |[wi, wo]: &[Vector<f32>; 2]| [wi.x, wi.y, wi.z, wo.x, wo.y, wo.z][c];
+        pairs.iter().map(number).collect()
+    };
+    [0, 1, 2, 3, 4, 5].map(one)
+}
+
+/// f of a plan for pairs of directions, by a batch at a level.
+fn batch(plan: &Plan<3>, level: Level, pairs: &[[Vector<f32>; 2]]) -> Vec<[f32; 3]> {
+    let columns = columns(pairs);
+    let [a, b, c, d, e, g] = columns.each_ref().map(Vec::as_slice);
+    // What is not written shows.
+    let mut f = [(); 3].map(|()| vec![f32::NAN; pairs.len()]);
+    plan.evaluate_batch_at(level, [a, b, c], [d, e, g], f.each_mut().map(Vec::as_mut_slice)).expect("of one length");
+    (0..pairs.len()).map(|i| [f[0][i], f[1][i], f[2][i]]).collect()
+}
+
+/// The bits of every number.
+fn bits(f: &[[f32; 3]]) -> Vec<[u32; 3]> {
+    f.iter().map(|f| f.map(f32::to_bits)).collect()
+}
+
+/// A plan of each of the built-in materials, under each closed-form model.
+fn built_in_plans() -> impl Iterator<Item = Plan<3>> {
+    let of = |model| stack::built_in().into_iter().map(move |one| one.stack.with_model(model));
+    Model::CLOSED_FORM.into_iter().flat_map(of).map(|stack| Plan::new(&stack).expect("a closed form"))
+}
+
+/// The spacing of f32 at a positive number.
+fn ulp(x: f64) -> f64 {
+    f64::from((x as f32).next_up() - x as f32)
+}
+
+/// What an Oren–Nayar base may reflect: its parts of that size cancel.
+fn cancels(stack: &Stack<f64, 3>) -> [f64; 3] {
+    match stack.layers().last().map(|layer| layer.interface) {
+        Some(Interface::Diffuse { albedo, sigma }) if sigma > 0.0 => albedo.map(|albedo| albedo / std::f64::consts::PI),
+        _ => [0.0; 3],
+    }
+}
+
+#[test]
+fn explore_batch() {
+    let mut random = Random(7);
+    let mut worst = std::collections::BTreeMap::<(usize, String), (f64, String)>::new();
+    let rounds: usize = std::env::var("ROUNDS").map_or(4000, |text| text.parse().expect("a number"));
+    for round in 0..rounds {
+        let model = Model::CLOSED_FORM[round % 3];
+        let stack = random.stack(model);
+        let plan = Plan::new(&stack).expect("a closed form");
+        let base = cancels(&stack);
+        let pairs: Vec<[Vector<f32>; 2]> = (0..32).map(|_| random.pair().map(|w| w.cast())).collect();
+        for level in Level::available() {
+            for (got, pair) in batch(&plan, level, &pairs).into_iter().zip(&pairs) {
+                let pair = pair.map(|w| w.cast::<f64>());
+                let want: [f64; 3] = stack.evaluate(pair[0], pair[1]);
+                let mut sensitive = None;
+                for c in 0..3 {
+                    if want[c] < 1e-8 { continue; }
+                    let error = (f64::from(got[c]) - want[c]).abs();
+                    let ulps = error / ulp(want[c]);
+                    let mut note = |key: &str, value: f64| {
+                        let entry = worst.entry((stack.layers().len(), key.to_owned())).or_default();
+                        if !(value <= entry.0) {
+                            *entry = (value, format!("{} {pair:?} {:e} {stack:?}", level.name(), want[c]));
+                        }
+                    };
+                    if ulps > 6.0 {
+                        let m = sensitive.get_or_insert_with(|| moved(&stack, pair, 0.5 * f64::from(f32::EPSILON)))[c];
+                        let scale = ulp(base[c].max(1e-30));
+                        let c = m / ulp(want[c]);
+                        if c < 1.0 && base[0] == 0.0 { note("c<1", ulps); }
+                        else if c < 2.0 && base[0] == 0.0 { note("c<2", ulps); }
+                        else if c < 4.0 && base[0] == 0.0 { note("c<4", ulps); }
+                        else if base[0] == 0.0 { note("c>4, ratio", ulps / c); }
+                        else { note("oren", (error - 4.0 * m - 12.0 * ulp(want[0])) / scale); }
+                    } else { note("small", ulps); }
+                }
+            }
+        }
+    }
+    for (key, (error, at)) in worst {
+        println!("{key:?} {error:.2}");
+        if error > 12.0 { println!("    {at}"); }
     }
 }
