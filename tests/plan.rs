@@ -113,7 +113,9 @@ fn moved(stack: &Stack<f64, 3>, [wi, wo]: [Vector<f64>; 2], share: f64) -> [f64;
                 match (&mut layers[position], number) {
                     (Layer { interface: Interface::Microfacet { n, .. }, .. }, 0) => *n = n.map(|n| n * factor),
                     (Layer { interface: Interface::Microfacet { k, .. }, .. }, 1) => *k = k.map(|k| k * factor),
-                    (Layer { interface: Interface::Microfacet { alpha, .. }, .. }, 2) => *alpha = (*alpha * factor).min(1.0),
+                    (Layer { interface: Interface::Microfacet { alpha, .. }, .. }, 2) => {
+                        *alpha = (*alpha * factor).min(1.0)
+                    }
                     (Layer { medium, .. }, 3) => medium.thickness *= factor,
                     _ => continue,
                 }
@@ -206,48 +208,250 @@ fn cancels(stack: &Stack<f64, 3>) -> [f64; 3] {
     }
 }
 
+/// Whether no interface has a critical angle, where F has a slope that no rounding of an angle survives: none is thinner than what is
+/// above it, and metals are not close to dielectrics that are.
+fn steady(stack: &Stack<f64, 3>) -> bool {
+    let mut n_above = 1.0;
+    stack.layers().iter().enumerate().all(|(position, layer)| {
+        let Interface::Microfacet { n, k, .. } = layer.interface else { return true };
+        let last = position + 1 == stack.layers().len();
+        let reference = if stack.model() == Model::Elek { 1.0 } else { n_above };
+        // Refraction is by the real parts, whatever the Fresnel terms take.
+        let refracts = last || n.iter().all(|n| *n >= n_above);
+        n_above = n[0];
+        refracts && (0..3).all(|c| steady_index(n[c] / reference, k[c] / reference))
+    })
+}
+
+/// The same of one index relative to the medium above: η ≥ 1, or (η+iκ)² − sin² stays at least .1 from 0.
+fn steady_index(eta: f64, kappa: f64) -> bool {
+    let real = eta * eta - 1.0 - kappa * kappa;
+    let distance = real.max(-real - 1.0).max(0.0);
+    (eta >= 1.0 && kappa == 0.0) || distance.hypot(2.0 * eta * kappa) >= 0.1
+}
+
+/// How far f of a steady stack may be off in a batch in ULP, besides 4 times what half an ULP of one number does to it: measured 5.7
+/// over 9000 stacks of one to four layers at each level, whatever their number.
+const BATCH_ULP: f64 = 8.0;
+
+/// The largest error of a batch in ULP of f, or of what an Oren–Nayar base may reflect; conditioning taken off where it is more than
+/// the bound. Where `share` of the numbers is changed f changes by the conditioning.
+fn excess(stack: &Stack<f64, 3>, got: [f32; 3], want: [f64; 3], pair: [Vector<f64>; 2]) -> f64 {
+    let base = cancels(stack);
+    let mut worst = 0.0f64;
+    let mut conditioning = None;
+    for c in 0..3 {
+        if want[c] < 1e-8 {
+            continue;
+        }
+        let unit = ulp(want[c].max(base[c]));
+        let mut error = (f64::from(got[c]) - want[c]).abs() / unit;
+        if !(error <= BATCH_ULP) {
+            let half = 0.5 * f64::from(f32::EPSILON);
+            error -= 4.0 * conditioning.get_or_insert_with(|| moved(stack, pair, half))[c] / unit;
+        }
+        assert!(error.is_finite(), "{got:?}, want {want:?}");
+        worst = worst.max(error);
+    }
+    worst
+}
+
 #[test]
-fn explore_batch() {
+fn batches_are_as_exact_as_f32_allows() {
     let mut random = Random(7);
-    let mut worst = std::collections::BTreeMap::<(usize, String), (f64, String)>::new();
-    let rounds: usize = std::env::var("ROUNDS").map_or(4000, |text| text.parse().expect("a number"));
-    for round in 0..rounds {
-        let model = Model::CLOSED_FORM[round % 3];
-        let stack = random.stack(model);
+    let (mut worst, mut judged) = (0.0f64, 0);
+    for round in 0..3_000 {
+        let stack = random.stack(Model::CLOSED_FORM[round % 3]);
         let plan = Plan::new(&stack).expect("a closed form");
-        let base = cancels(&stack);
         let pairs: Vec<[Vector<f32>; 2]> = (0..32).map(|_| random.pair().map(|w| w.cast())).collect();
+        let steady = steady(&stack);
         for level in Level::available() {
             for (got, pair) in batch(&plan, level, &pairs).into_iter().zip(&pairs) {
                 let pair = pair.map(|w| w.cast::<f64>());
-                let want: [f64; 3] = stack.evaluate(pair[0], pair[1]);
-                let mut sensitive = None;
-                for c in 0..3 {
-                    if want[c] < 1e-8 { continue; }
-                    let error = (f64::from(got[c]) - want[c]).abs();
-                    let ulps = error / ulp(want[c]);
-                    let mut note = |key: &str, value: f64| {
-                        let entry = worst.entry((stack.layers().len(), key.to_owned())).or_default();
-                        if !(value <= entry.0) {
-                            *entry = (value, format!("{} {pair:?} {:e} {stack:?}", level.name(), want[c]));
-                        }
-                    };
-                    if ulps > 6.0 {
-                        let m = sensitive.get_or_insert_with(|| moved(&stack, pair, 0.5 * f64::from(f32::EPSILON)))[c];
-                        let scale = ulp(base[c].max(1e-30));
-                        let c = m / ulp(want[c]);
-                        if c < 1.0 && base[0] == 0.0 { note("c<1", ulps); }
-                        else if c < 2.0 && base[0] == 0.0 { note("c<2", ulps); }
-                        else if c < 4.0 && base[0] == 0.0 { note("c<4", ulps); }
-                        else if base[0] == 0.0 { note("c>4, ratio", ulps / c); }
-                        else { note("oren", (error - 4.0 * m - 12.0 * ulp(want[0])) / scale); }
-                    } else { note("small", ulps); }
+                assert!(got.iter().all(|f| *f >= 0.0), "{} {pair:?}: {got:?}\n{stack:?}", level.name());
+                if steady {
+                    let error = excess(&stack, got, stack.evaluate(pair[0], pair[1]), pair);
+                    (worst, judged) = (worst.max(error), judged + 1);
+                    assert!(error <= BATCH_ULP, "{} {pair:?}: {got:?} is {error} ULP off\n{stack:?}", level.name());
                 }
             }
         }
     }
-    for (key, (error, at)) in worst {
-        println!("{key:?} {error:.2}");
-        if error > 12.0 { println!("    {at}"); }
+    println!("{worst:.2} ULP, {judged} judged");
+    assert!(judged > 20_000, "{judged} judged");
+}
+
+#[test]
+fn each_rule_changes_nothing() {
+    for rule in Rule::ALL {
+        let stack = rule.example();
+        Stack::new(stack.model(), stack.layers().to_vec()).expect("within the ranges");
+        let applied = Plan::new(&stack).expect("a closed form").applied().to_vec();
+        assert!(applied.iter().any(|applied| applied.rule == rule), "{rule}: {applied:?}");
+    }
+    let mut random = Random(3);
+    let mut seen = std::collections::HashMap::<Rule, usize>::new();
+    for round in 0..3_000 {
+        let stack = random.stack(Model::CLOSED_FORM[round % 3]);
+        let plan = Plan::new(&stack).expect("a closed form");
+        let steady = steady(&stack);
+        let pairs: Vec<[Vector<f64>; 2]> = (0..8).map(|_| random.pair()).collect();
+        let singles: Vec<[Vector<f32>; 2]> = pairs.iter().map(|pair| pair.map(|w| w.cast())).collect();
+        for rule in Rule::ALL {
+            if !plan.applied().iter().any(|applied| applied.rule == rule) {
+                continue;
+            }
+            *seen.entry(rule).or_default() += 1;
+            let off = [rule];
+            let without = Plan::with_options(&stack, &Options { without: &off, ..Options::default() });
+            let without = without.expect("a closed form");
+            assert!(without.applied().iter().all(|applied| applied.rule != rule));
+            for pair in &pairs {
+                let (a, b): ([f64; 3], [f64; 3]) =
+                    (plan.evaluate(pair[0], pair[1]), without.evaluate(pair[0], pair[1]));
+                let near = (0..3).all(|c| (a[c] - b[c]).abs() <= 1e-12 * a[c] + 1e-30);
+                let bound = if near { [f64::INFINITY; 3] } else { allowed(&stack, *pair) };
+                let near = (0..3).all(|c| (a[c] - b[c]).abs() <= bound[c]);
+                assert!(near, "{rule} {pair:?}: {a:?} with, {b:?} without\n{stack:?}");
+            }
+            // Either is off by the bound of a batch.
+            let level = Level::detect();
+            let both = batch(&plan, level, &singles).into_iter().zip(batch(&without, level, &singles));
+            for ((a, b), pair) in both.zip(&singles).filter(|_| steady) {
+                let pair = pair.map(|w| w.cast::<f64>());
+                let error = excess(&stack, b, a.map(f64::from), pair);
+                assert!(error <= 2.0 * BATCH_ULP, "{rule} {pair:?}: {a:?} with, {b:?} without\n{stack:?}");
+            }
+        }
+    }
+    for rule in Rule::ALL {
+        assert!(seen.get(&rule).is_some_and(|times| *times > 20), "{rule} was hardly ever applied: {seen:?}");
+    }
+}
+
+/// Pairs over the hemisphere and below it.
+fn any_pairs(count: usize) -> Vec<[Vector<f32>; 2]> {
+    let mut random = Random(11);
+    let down = |mut pair: [Vector<f64>; 2], i: usize| {
+        if i % 17 == 3 {
+            pair[i % 2].z *= -1.0;
+        }
+        pair.map(|w| w.cast())
+    };
+    (0..count).map(|i| down(random.pair(), i)).collect()
+}
+
+#[test]
+fn a_viewer_is_a_batch_of_one_viewer() {
+    for plan in built_in_plans() {
+        for level in Level::available() {
+            let mut pairs = any_pairs(300);
+            let viewer = pairs[5][1];
+            pairs.iter_mut().for_each(|pair| pair[1] = viewer);
+            let columns = columns(&pairs);
+            let [a, b, c, ..] = columns.each_ref().map(Vec::as_slice);
+            let mut f = [(); 3].map(|()| vec![f32::NAN; pairs.len()]);
+            let slots = f.each_mut().map(Vec::as_mut_slice);
+            plan.evaluate_view_at(level, [a, b, c], viewer, slots).expect("of one length");
+            let view: Vec<[f32; 3]> = (0..pairs.len()).map(|i| [f[0][i], f[1][i], f[2][i]]).collect();
+            assert_eq!(bits(&view), bits(&batch(&plan, level, &pairs)), "{} {plan:?}", level.name());
+        }
+    }
+}
+
+#[cfg(feature = "rayon")]
+#[test]
+fn threads_change_nothing() {
+    let pairs = any_pairs(3 * brdf::batch::GRAIN + 77);
+    let columns = columns(&pairs);
+    let [a, b, c, d, e, g] = columns.each_ref().map(Vec::as_slice);
+    for plan in built_in_plans().step_by(5) {
+        let mut f = [(); 3].map(|()| vec![f32::NAN; pairs.len()]);
+        plan.par_evaluate_batch([a, b, c], [d, e, g], f.each_mut().map(Vec::as_mut_slice)).expect("of one length");
+        let all: Vec<[f32; 3]> = (0..pairs.len()).map(|i| [f[0][i], f[1][i], f[2][i]]).collect();
+        assert_eq!(bits(&all), bits(&batch(&plan, Level::detect(), &pairs)), "{plan:?}");
+    }
+}
+
+#[test]
+fn every_length_has_its_remainder() {
+    let pairs = any_pairs(600);
+    for plan in built_in_plans() {
+        for level in Level::available() {
+            let whole = bits(&batch(&plan, level, &pairs));
+            for count in (0..=600).step_by(7) {
+                assert_eq!(bits(&batch(&plan, level, &pairs[..count])), whole[..count], "{} {count}", level.name());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_slice_of_another_length_is_named_and_nothing_is_written() {
+    let plan = built_in_plans().next().expect("a plan");
+    for slice in 0..9 {
+        let length = |i: usize| if i == slice { 5 } else { 4 };
+        // Of the first slice the length is what is expected.
+        let error = if slice == 0 {
+            LengthError { expected: 5, found: 4, slice: 1 }
+        } else {
+            LengthError { expected: 4, found: 5, slice }
+        };
+        let inputs: Vec<Vec<f32>> = (0..6).map(|i| vec![0.5; length(i)]).collect();
+        let mut f = [6, 7, 8].map(|i| vec![-1.0f32; length(i)]);
+        let [a, b, c, d, e, g] = [0, 1, 2, 3, 4, 5].map(|i| inputs[i].as_slice());
+        let slots = f.each_mut().map(Vec::as_mut_slice);
+        assert_eq!(plan.evaluate_batch([a, b, c], [d, e, g], slots), Err(error));
+        assert!(f.iter().flatten().all(|f| *f == -1.0));
+    }
+    let (short, long) = ([0.5f32; 3], [0.5f32; 4]);
+    let (mut x, mut y, mut z) = ([0.0; 4], [0.0; 4], [0.0; 3]);
+    let viewer = Vector::new(0.0, 0.0, 1.0);
+    let found = plan.evaluate_view([&long, &short, &long], viewer, [&mut x, &mut y, &mut z]);
+    assert_eq!(found, Err(LengthError { expected: 4, found: 3, slice: 1 }));
+    let found = plan.evaluate_view([&long, &long, &long], viewer, [&mut x, &mut y, &mut z]);
+    assert_eq!(found, Err(LengthError { expected: 4, found: 3, slice: 5 }));
+}
+
+#[test]
+fn wild_directions_are_dark_or_finite() {
+    let wild = [
+        0.0,
+        -0.0,
+        1.0,
+        -1.0,
+        0.5,
+        1e-7,
+        1e-19,
+        1e-30,
+        1e-40,
+        f32::MIN_POSITIVE,
+        1e10,
+        f32::MAX,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        f32::NAN,
+    ];
+    let mut random = Random(5);
+    let mut one = || wild[(wild.len() as f64 * random.unit()) as usize];
+    let pairs: Vec<[Vector<f32>; 2]> =
+        (0..4000).map(|_| [Vector::new(one(), one(), one()), Vector::new(one(), one(), one())]).collect();
+    // Of components in [−1, 1] there is a number, whatever the length, and 0 below the horizon; of others, NaN among them, no panic.
+    let tame = |w: &Vector<f32>| [w.x, w.y, w.z].iter().all(|x| x.abs() <= 1.0);
+    for plan in built_in_plans() {
+        for level in Level::available() {
+            for (f, pair) in batch(&plan, level, &pairs).into_iter().zip(&pairs) {
+                let lit = pair.iter().all(|w| w.z > 1e-18);
+                let scalar: [f32; 3] = plan.evaluate(pair[0], pair[1]);
+                for f in [f, scalar] {
+                    if pair.iter().all(tame) {
+                        assert!(f.iter().all(|f| *f >= 0.0), "{} {pair:?}: {f:?}\n{plan:?}", level.name());
+                    }
+                    if !lit && pair.iter().all(tame) {
+                        assert!(f.iter().all(|f| *f == 0.0), "{} {pair:?}: {f:?}\n{plan:?}", level.name());
+                    }
+                }
+            }
+        }
     }
 }

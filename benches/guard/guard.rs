@@ -48,7 +48,9 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let result = match arguments.as_slice() {
         [] => compare(),
-        [workload, rounds] => rounds.parse().map_err(|error| format!("{rounds}: {error}")).and_then(|n| run(workload, n)),
+        [workload, rounds] => {
+            rounds.parse().map_err(|error| format!("{rounds}: {error}")).and_then(|n| run(workload, n))
+        }
         _ => Err("guard, or guard WORKLOAD ROUNDS".to_owned()),
     };
     match result {
@@ -153,8 +155,8 @@ fn map(name: &str, level: Level, inputs: [&[f32]; 6], [x, y, z]: [&mut [f32]; 3]
         "conductor" => batch::map_at(level, &terms::Conductor { n, k }, [c], [x, y]),
         "dielectric" => batch::map_at(level, &terms::Dielectric { eta: 1.5 }, [c], [x, y]),
         "beckmann" => batch::map_at(level, &terms::Beckmann { alpha }, [a, b, c], [x]),
-        "smith_ggx" => batch::map_at(level, &terms::SmithGgx { alpha_x: 0.2, alpha_y: 0.4 }, inputs, [x]),
-        "oren_nayar" => batch::map_at(level, &terms::OrenNayar { sigma: 0.5 }, inputs, [x, y, z]),
+        "smith_ggx" => batch::map_at(level, &terms::SmithGgx { alpha_x: 0.2, alpha_y: 0.4 }, inputs, [x, y]),
+        "oren_nayar" => batch::map_at(level, &terms::OrenNayar { sigma: 0.5 }, inputs, [x, y]),
         "torrance_sparrow" => {
             let kernel = terms::TorranceSparrow { n: [0.2, 1.0, 1.2], k: [4.0, 2.6, 2.4], alpha };
             batch::map_at(level, &kernel, inputs, [x, y, z])

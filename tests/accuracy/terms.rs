@@ -46,6 +46,8 @@ pub(crate) struct Term {
     pub(crate) batch: Batch,
     /// The limit of a batch; else the target.
     pub(crate) limit: Option<Limit>,
+    /// Where a batch is measured.
+    pub(crate) steady: fn(&[f64]) -> bool,
     /// As the documents print it.
     pub(crate) naive: Option<Form<f32>>,
     /// Whether the result is 0 by decree in f32: an exponent beyond [`Real::EXP_LIMIT`].
@@ -177,6 +179,7 @@ macro_rules! term {
                     batch::map_at(level, &Batched, arguments, results).expect("slices of one length");
                 },
                 limit: None,
+                steady: |_| true,
                 naive: None,
                 past: |_| false,
                 signed: false,
@@ -197,10 +200,17 @@ macro_rules! term {
 }
 
 /// Has the last term evaluated by plans in a batch.
-fn plan_last(terms: &mut [Term], batch: Batch) {
+fn plan_last(terms: &mut [Term], batch: Batch, steady: fn(&[f64]) -> bool) {
     if let Some(last) = terms.last_mut() {
-        last.batch = batch;
+        (last.batch, last.steady) = (batch, steady);
     }
+}
+
+/// Whether an index has no critical angle to speak of: (η+iκ)² − sin² stays at least .1 from 0.
+fn steady(eta: f64, kappa: f64) -> bool {
+    let real = eta * eta - 1.0 - kappa * kappa;
+    let distance = real.max(-real - 1.0).max(0.0);
+    distance.hypot(2.0 * eta * kappa) >= 0.1
 }
 
 /// Every term of the crate that has an error to speak of.
@@ -357,16 +367,16 @@ pub(crate) fn terms() -> Vec<Term> {
         |a| layered::internal_reflection(a[0], a[1]), naive |a| 1.0 - a[1] + a[1] * a[0]);
     term!(t, layered::conserving [""], "two layers: cos [1e-6, 1], coat n [1.1, 2.5], σd to 10, base n [.02, 8], κ [0, 12], both α [1e-3, 1]; f > 1e-8",
         stack_inputs, |a| { let [f] = layered::conserving(&stack(a), vector(a), vector(&a[3..])); f },
-        target 12.0, least 1e-8);
-    plan_last(&mut t, |level, a, f| planned(Model::Conserving, level, a, f));
+        target 12.0, least 1e-8, batch 64.0);
+    plan_last(&mut t, |level, a, f| planned(Model::Conserving, level, a, f), |a| steady(a[10] / a[6], a[11] / a[6]));
     term!(t, layered::elek [""], "the same",
         stack_inputs, |a| { let [f] = layered::elek(&stack(a), vector(a), vector(&a[3..])); f },
-        target 12.0, least 1e-8);
-    plan_last(&mut t, |level, a, f| planned(Model::Elek, level, a, f));
+        target 12.0, least 1e-8, batch 64.0);
+    plan_last(&mut t, |level, a, f| planned(Model::Elek, level, a, f), |a| steady(a[10], a[11]));
     term!(t, layered::weidlich_wilkie [""], "the same",
         stack_inputs, |a| { let [f] = layered::weidlich_wilkie(&stack(a), vector(a), vector(&a[3..])); f },
-        target 12.0, least 1e-8);
-    plan_last(&mut t, |level, a, f| planned(Model::WeidlichWilkie, level, a, f));
+        target 12.0, least 1e-8, batch 64.0);
+    plan_last(&mut t, |level, a, f| planned(Model::WeidlichWilkie, level, a, f), |a| steady(a[10] / a[6], a[11] / a[6]));
 
     term!(t, real::erfcx [""], "x [1e-6, 1e4]", |p| vec![log(p[0], 1e-6, 1e4) as f32], |a| a[0].erfcx(), batch 6.0);
     term!(t, real::exp_product [""], "a, b [1e-6, 1e3]",
