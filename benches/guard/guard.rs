@@ -91,25 +91,32 @@ fn run(workload: &str, rounds: usize) -> Result<(), String> {
     let slices = columns.each_ref().map(Vec::as_slice);
     let [a, b, c, d, e, g] = slices;
     let mut f = [(); 3].map(|()| vec![0.0f32; COUNT]);
-    let find = |name: &str| stack::by_name(name).ok_or_else(|| format!("no built-in stack {name}"));
-    let plan = |name: &str| Plan::new(&find(name)?).map_err(|error| error.to_string());
+    // Made once, so that rounds differ by evaluations alone.
+    let general: Option<Stack<f64, 3>> = words.last().and_then(|name| stack::by_name(name));
+    let plan = general.as_ref().map(Plan::new).transpose().map_err(|error| error.to_string())?;
+    let planned = || plan.as_ref().ok_or_else(|| format!("{workload}: no such stack"));
+    let general: Option<Stack<f32, 3>> = general.as_ref().map(Stack::cast);
     let lengths = |error: batch::LengthError| error.to_string();
     for _ in 0..rounds {
         let [x, y, z] = f.each_mut().map(Vec::as_mut_slice);
         match words.as_slice() {
-            ["batch", at, name] => {
-                plan(name)?.evaluate_batch_at(level(at)?, [a, b, c], [d, e, g], [x, y, z]).map_err(lengths)?;
+            ["batch", at, _] => {
+                planned()?.evaluate_batch_at(level(at)?, [a, b, c], [d, e, g], [x, y, z]).map_err(lengths)?;
             }
-            ["view", at, name] => {
-                plan(name)?.evaluate_view_at(level(at)?, [a, b, c], pairs[7].1, [x, y, z]).map_err(lengths)?;
+            ["view", at, _] => {
+                planned()?.evaluate_view_at(level(at)?, [a, b, c], pairs[7].1, [x, y, z]).map_err(lengths)?;
             }
-            ["plan", name] => {
-                let plan = plan(name)?;
-                pairs.iter().for_each(|(wi, wo)| drop(black_box(plan.evaluate(*wi, *wo))));
+            ["plan", _] => {
+                let plan = planned()?;
+                for (wi, wo) in &pairs {
+                    black_box(plan.evaluate(*wi, *wo));
+                }
             }
-            ["general", name] => {
-                let stack: Stack<f32, 3> = find(name)?.cast();
-                pairs.iter().for_each(|(wi, wo)| drop(black_box(stack.evaluate(*wi, *wo))));
+            ["general", _] => {
+                let stack = general.as_ref().ok_or_else(|| format!("{workload}: no such stack"))?;
+                for (wi, wo) in &pairs {
+                    black_box(stack.evaluate(*wi, *wo));
+                }
             }
             ["term", name] => term(name, &pairs)?,
             ["map", at, name] => map(name, level(at)?, slices, [x, y, z])?,
