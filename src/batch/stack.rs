@@ -203,7 +203,6 @@ impl<V: Viewers, const K: usize> Work for Run<'_, V, K> {
 
 /// Takes the pairs from `start` to `end` through the stages.
 #[inline(always)]
-#[allow(clippy::needless_range_loop)]
 fn block<L: Lanes, const K: usize>(
     chain: &Chain<K>,
     wi: [&[f32]; 3],
@@ -212,11 +211,26 @@ fn block<L: Lanes, const K: usize>(
     start: usize,
     end: usize,
 ) {
-    for i in 0..rays.len() {
-        let (wi, wo) = pair(wi, wo, start + i * L::COUNT, end);
-        rays[i] = Ray::new(wi, wo);
-    }
-    for stage in &chain.stages {
+    // Rays begin in the loop of the first reflection, most often: a pass over the block less.
+    let stages = if let [Stage::Reflect { lobe, surface }, rest @ ..] = chain.stages.as_slice() {
+        with_surface!(surface, fresnel => {
+            let (lobe, fresnel) = (*lobe, *fresnel);
+            for i in 0..rays.len() {
+                let (wi, wo) = pair(wi, wo, start + i * L::COUNT, end);
+                let mut ray = Ray::new(wi, wo);
+                lobe.reflect(&mut ray, &fresnel);
+                rays[i] = ray;
+            }
+        });
+        rest
+    } else {
+        for i in 0..rays.len() {
+            let (wi, wo) = pair(wi, wo, start + i * L::COUNT, end);
+            rays[i] = Ray::new(wi, wo);
+        }
+        chain.stages.as_slice()
+    };
+    for stage in stages {
         match stage {
             Stage::Reflect { lobe, surface } => with_surface!(surface, fresnel => {
                 let (lobe, fresnel) = (*lobe, *fresnel);

@@ -10,8 +10,8 @@ use crate::real::Real;
 
 /// The reflectance of `K` channels, each as numerator and denominator.
 pub(crate) trait Reflects<const K: usize> {
-    /// Of (n·VH)² and n·VH.
-    fn reflectance<W: Real<Wide = W>>(&self, half_squared: W, half: W) -> [(W, W); K];
+    /// Of (n·VH)², n·VH and n² − (n·VH)².
+    fn reflectance<W: Real<Wide = W>>(&self, half_squared: W, half: W, rest: W) -> [(W, W); K];
 }
 
 /// The transmittance of `K` channels.
@@ -37,7 +37,7 @@ impl Dielectric {
     /// None where the fraction's parts would leave the range of f32, or light may be totally reflected.
     pub(crate) fn new(n: f64, n_above: f64) -> Option<Self> {
         let fits = n > n_above && n <= 30.0 * n_above && (0.03..=30.0).contains(&n_above);
-        fits.then(|| Dielectric { step: (n - n_above) * (n + n_above), square: n * n, above: n_above * n_above })
+        fits.then_some(Dielectric { step: (n - n_above) * (n + n_above), square: n * n, above: n_above * n_above })
     }
 
     /// The index relative to the medium above.
@@ -58,13 +58,13 @@ impl Dielectric {
 
 impl<const K: usize> Reflects<K> for Dielectric {
     #[inline(always)]
-    fn reflectance<W: Real<Wide = W>>(&self, half_squared: W, half: W) -> [(W, W); K] {
+    fn reflectance<W: Real<Wide = W>>(&self, half_squared: W, half: W, rest: W) -> [(W, W); K] {
         // F = E²/2·(P² + q²S²)/(SP)², q = N²c² − A²(A² − c²).
         let (square, above) = (W::from_f64(self.square), W::from_f64(self.above));
         let below = (half_squared + W::from_f64(self.step)).sqrt();
         let s = (half + below).squared();
         let p = square.mul_add(half, above * below).squared();
-        let q = square.mul_add(half_squared, -(above * (above - half_squared)));
+        let q = square.mul_add(half_squared, -(above * rest));
         let step = W::from_f64(self.step);
         let qs = q * s;
         let (sp, es) = (s * p, W::HALF * step * step);
@@ -94,7 +94,7 @@ pub(crate) struct AnyDielectric {
 
 impl<const K: usize> Reflects<K> for AnyDielectric {
     #[inline(always)]
-    fn reflectance<W: Real<Wide = W>>(&self, _: W, half: W) -> [(W, W); K] {
+    fn reflectance<W: Real<Wide = W>>(&self, _: W, half: W, _: W) -> [(W, W); K] {
         let cos = half * W::from_f64(1.0 / self.n_above);
         [(fresnel::dielectric_wide::<_, W>(cos, W::from_f64(self.eta)).reflectance, W::ONE); K]
     }
@@ -123,8 +123,6 @@ pub(crate) struct Conductor {
     real: f64,
     /// N·K.
     product: f64,
-    /// A².
-    above: f64,
 }
 
 impl Conductor {
@@ -140,19 +138,19 @@ impl Conductor {
         let steady = distance * distance + (2.0 * eta * kappa).squared() >= 0.01;
         let bright = fresnel::normal_incidence(eta, kappa) >= Self::LEAST;
         let fits = eta <= 100.0 && kappa <= 100.0 && kappa > 0.0 && (0.03..=30.0).contains(&n_above);
-        let above = n_above * n_above;
-        (steady && bright && fits).then(|| Conductor { real: (n - k) * (n + k) - above, product: n * k, above })
+        let real = (n - k) * (n + k) - n_above * n_above;
+        (steady && bright && fits).then_some(Conductor { real, product: n * k })
     }
 
-    /// The index relative to the medium above.
-    pub(crate) fn indices(&self) -> (f64, f64) {
-        indices(self.real, self.product, self.above)
+    /// The index relative to the medium above, whose index is given.
+    pub(crate) fn indices(&self, n_above: f64) -> (f64, f64) {
+        indices(self.real, self.product, n_above * n_above)
     }
 
     /// F as a fraction. With w = (N+iK)² − (A²−c²), l² = (|w| + |Re w|)/2 and p, q the products of l with the real and imaginary
     /// part of √w: Fs = ((p−cl)² + q²)/((p+cl)² + q²), and Fq the same of pc, (A²−c²)l and qc.
     #[inline(always)]
-    fn fraction<W: Real<Wide = W>>(&self, half_squared: W, half: W) -> (W, W) {
+    fn fraction<W: Real<Wide = W>>(&self, half_squared: W, half: W, rest: W) -> (W, W) {
         let product = W::from_f64(self.product);
         let real = half_squared + W::from_f64(self.real);
         let modulus = real.mul_add(real, W::from_f64(4.0 * self.product * self.product)).sqrt();
@@ -163,10 +161,9 @@ impl Conductor {
         let q_squared = q * q;
         let shift = half * root;
         let (difference, sum) = (p - shift, p + shift);
-        let s_squared = W::from_f64(self.above) - half_squared;
         let pc = p * half;
         let qc = q_squared * half_squared;
-        let slant = s_squared * root;
+        let slant = rest * root;
         let tilted = pc + slant;
         // Half of numerator and denominator of Fq.
         let mean = pc.mul_add(pc, slant.mul_add(slant, qc));
@@ -193,8 +190,6 @@ pub(crate) struct Metal {
     half_real: f64,
     /// N·K.
     product: f64,
-    /// A².
-    above: f64,
 }
 
 impl Metal {
@@ -204,28 +199,27 @@ impl Metal {
     /// None where κ ≤ n, or F would lose digits by this form.
     pub(crate) fn new(n: f64, k: f64, n_above: f64) -> Option<Self> {
         let fits = k > n && fresnel::normal_incidence(n / n_above, k / n_above) >= Self::LEAST;
-        let Conductor { real, product, above } = Conductor::new(n, k, n_above)?;
-        fits.then_some(Metal { half_real: 0.5 * real, product, above })
+        let Conductor { real, product } = Conductor::new(n, k, n_above)?;
+        fits.then_some(Metal { half_real: 0.5 * real, product })
     }
 
-    /// The index relative to the medium above.
-    pub(crate) fn indices(&self) -> (f64, f64) {
-        indices(2.0 * self.half_real, self.product, self.above)
+    /// The index relative to the medium above, whose index is given.
+    pub(crate) fn indices(&self, n_above: f64) -> (f64, f64) {
+        indices(2.0 * self.half_real, self.product, n_above * n_above)
     }
 
     /// F as a fraction. With L = (|w| − Re w)/2 and x = 2NK·c·√L: Fs = (B − x)/(B + x), B = c²L + L² + N²K², and Fq the same of
     /// c²(L² + N²K²) + (A²−c²)²L and (A²−c²)x.
     #[inline(always)]
-    fn fraction<W: Real<Wide = W>>(&self, half_squared: W, half: W) -> (W, W) {
+    fn fraction<W: Real<Wide = W>>(&self, half_squared: W, half: W, rest: W) -> (W, W) {
         let real = W::HALF.mul_add(half_squared, W::from_f64(self.half_real));
         let product_squared = W::from_f64(self.product * self.product);
         let larger = real.mul_add(real, product_squared).sqrt() - real;
         let cross = (W::from_f64(2.0 * self.product) * half) * larger.sqrt();
         let squares = larger.mul_add(larger, product_squared);
-        let s_squared = W::from_f64(self.above) - half_squared;
         let mean_s = larger.mul_add(half_squared, squares);
-        let mean_q = squares.mul_add(half_squared, larger * (s_squared * s_squared));
-        ((mean_s - cross) * mean_q, (mean_s + cross) * cross.mul_add(s_squared, mean_q))
+        let mean_q = squares.mul_add(half_squared, larger * (rest * rest));
+        ((mean_s - cross) * mean_q, (mean_s + cross) * cross.mul_add(rest, mean_q))
     }
 }
 
@@ -239,17 +233,17 @@ pub(crate) struct Each<T, const K: usize>(pub(crate) [T; K]);
 
 impl<const K: usize> Reflects<K> for Grey<Metal> {
     #[inline(always)]
-    fn reflectance<W: Real<Wide = W>>(&self, half_squared: W, half: W) -> [(W, W); K] {
-        [self.0.fraction(half_squared, half); K]
+    fn reflectance<W: Real<Wide = W>>(&self, half_squared: W, half: W, rest: W) -> [(W, W); K] {
+        [self.0.fraction(half_squared, half, rest); K]
     }
 }
 
 impl<const K: usize> Reflects<K> for Each<Metal, K> {
     #[inline(always)]
-    fn reflectance<W: Real<Wide = W>>(&self, half_squared: W, half: W) -> [(W, W); K] {
+    fn reflectance<W: Real<Wide = W>>(&self, half_squared: W, half: W, rest: W) -> [(W, W); K] {
         let mut all = [(W::ZERO, W::ONE); K];
         for channel in 0..K {
-            all[channel] = self.0[channel].fraction(half_squared, half);
+            all[channel] = self.0[channel].fraction(half_squared, half, rest);
         }
         all
     }
@@ -257,10 +251,10 @@ impl<const K: usize> Reflects<K> for Each<Metal, K> {
 
 impl<const K: usize> Reflects<K> for Each<Conductor, K> {
     #[inline(always)]
-    fn reflectance<W: Real<Wide = W>>(&self, half_squared: W, half: W) -> [(W, W); K] {
+    fn reflectance<W: Real<Wide = W>>(&self, half_squared: W, half: W, rest: W) -> [(W, W); K] {
         let mut all = [(W::ZERO, W::ONE); K];
         for channel in 0..K {
-            all[channel] = self.0[channel].fraction(half_squared, half);
+            all[channel] = self.0[channel].fraction(half_squared, half, rest);
         }
         all
     }
@@ -289,7 +283,7 @@ impl AnyConductor {
 
 impl<const K: usize> Reflects<K> for Each<AnyConductor, K> {
     #[inline(always)]
-    fn reflectance<W: Real<Wide = W>>(&self, _: W, half: W) -> [(W, W); K] {
+    fn reflectance<W: Real<Wide = W>>(&self, _: W, half: W, _: W) -> [(W, W); K] {
         let mut all = [(W::ZERO, W::ONE); K];
         for channel in 0..K {
             let conductor = &self.0[channel];
@@ -329,7 +323,7 @@ pub(crate) struct Fitted<const K: usize, const N: usize> {
 
 impl<const K: usize, const N: usize> Reflects<K> for Fitted<K, N> {
     #[inline(always)]
-    fn reflectance<W: Real<Wide = W>>(&self, _: W, half: W) -> [(W, W); K] {
+    fn reflectance<W: Real<Wide = W>>(&self, _: W, half: W, _: W) -> [(W, W); K] {
         let transmitted = self.fit.transmittance_wide(half * W::from_f64(1.0 / self.n_above));
         let mut all = [(W::ZERO, W::ONE); K];
         for channel in 0..K {

@@ -25,6 +25,7 @@ pub(crate) mod chain;
 #[cfg(feature = "std")]
 mod cost;
 mod interface;
+mod reflectance;
 mod rule;
 pub(crate) mod stage;
 mod term;
@@ -39,6 +40,7 @@ use core::fmt;
 #[cfg(feature = "std")]
 pub use cost::{Operations, Path};
 use interface::{AnyConductor, AnyDielectric, Conductor, Dielectric, Each, Fitted, Grey, Metal};
+pub use reflectance::Reflectance;
 pub use rule::{Applied, Rule};
 use stage::{Absorption, Base, Lobe, Passage};
 pub use term::Term;

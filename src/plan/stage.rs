@@ -173,7 +173,7 @@ impl Lobe {
         let visible = d * ray.h_z;
         let n_above = W::from_f64(self.n_above);
         let (half_squared, half) = ray.half(n_above);
-        let fractions = fresnel.reflectance(half_squared, half);
+        let fractions = fresnel.reflectance(half_squared, half, n_above * n_above - half_squared);
         for channel in 0..K {
             let (numerator, denominator) = fractions[channel];
             ray.f[channel] =

@@ -90,15 +90,17 @@ fn describe<const K: usize>(stage: &Stage<K>) -> (&'static str, String) {
                 Surface::AnyDielectric(one) => {
                     ("reflect_any_dielectric", format!("dielectric of any index, n {}", list([one.eta])))
                 }
-                Surface::GreyMetal(one) => {
-                    ("reflect_metal", format!("metal, one for all channels, {}", complex([one.0.indices()])))
-                }
+                Surface::GreyMetal(one) => (
+                    "reflect_metal",
+                    format!("metal, one for all channels, {}", complex([one.0.indices(lobe.n_above)])),
+                ),
                 Surface::Metals(each) => {
-                    ("reflect_metal", format!("metal, {}", complex(each.0.map(|one| one.indices()))))
+                    ("reflect_metal", format!("metal, {}", complex(each.0.map(|one| one.indices(lobe.n_above)))))
                 }
-                Surface::Conductors(each) => {
-                    ("reflect_conductor", format!("conductor, {}", complex(each.0.map(|one| one.indices()))))
-                }
+                Surface::Conductors(each) => (
+                    "reflect_conductor",
+                    format!("conductor, {}", complex(each.0.map(|one| one.indices(lobe.n_above)))),
+                ),
                 Surface::AnyConductors(each) => {
                     let indices = each.0.map(|one| (one.eta, one.kappa));
                     ("reflect_any_conductor", format!("conductor of any index, {}", complex(indices)))

@@ -148,7 +148,7 @@ impl<'a, N: Number> Lowering<'a, N> {
             Op::Subtract => |o, a, b| zip(o, a, b, |a, b| a - b),
             Op::Multiply => |o, a, b| zip(o, a, b, |a, b| a * b),
             Op::Divide => |o, a, b| zip(o, a, b, |a, b| a / b),
-            Op::Modulo => |o, a, b| zip(o, a, b, <N as Number>::remainder),
+            Op::Modulo => |o, a, b| zip(o, a, b, Number::remainder),
             _ => {
                 let f: Test<N> = match op {
                     Op::Equal => |o, a, b| zip(o, a, b, |a: N, b| N::truth(a.equals(b))),

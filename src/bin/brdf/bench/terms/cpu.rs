@@ -1,8 +1,11 @@
 //! A variant on the processor: its passes, and its results in both precisions.
 
-use super::formula::{Batched, Formula};
+use super::formula::{Batched, Constants, Formula};
 use crate::bench::clock::Task;
+use brdf::Vector;
 use brdf::batch::{self, GRAIN, Level};
+use brdf::layered::{Interface, Layer, Model, Stack};
+use brdf::plan::Plan;
 use std::array::from_fn;
 use std::hint::black_box;
 
@@ -87,6 +90,86 @@ impl<F: Formula<I, O>, const I: usize, const O: usize> Runner for Shaped<F, I, O
 
     fn doubles(&self, columns: &[Vec<f32>]) -> Vec<f64> {
         let row = |row: usize| self.0.at::<f64>(from_fn(|i| f64::from(columns[i][row])));
+        (0..columns[0].len()).flat_map(row).collect()
+    }
+}
+
+/// A plan of one rough conductor.
+pub(super) struct Planned(Plan<3>);
+
+impl Planned {
+    pub(super) fn new(constants: &Constants, max_error: f64) -> Option<Self> {
+        let Constants { n, k, alpha, .. } = constants;
+        let metal = Interface::conductor(n.map(f64::from), k.map(f64::from), f64::from(*alpha));
+        let stack = Stack::new(Model::Conserving, vec![Layer::new(metal)]).ok()?;
+        Some(Planned(Plan::with_error(&stack, max_error).ok()?))
+    }
+}
+
+/// The two directions of a row.
+fn pair(columns: &[Vec<f32>], row: usize) -> [Vector<f32>; 2] {
+    [0, 3].map(|first| Vector::new(columns[first][row], columns[first + 1][row], columns[first + 2][row]))
+}
+
+fn halves(columns: &[Vec<f32>], count: usize) -> ([&[f32]; 3], [&[f32]; 3]) {
+    let [a, b, c, d, e, f] = inputs::<6>(columns, count);
+    ([a, b, c], [d, e, f])
+}
+
+impl Runner for Planned {
+    fn scalar<'a>(&'a self, columns: &'a [Vec<f32>]) -> Task<'a> {
+        Task::new(CACHED, move || {
+            let plan = black_box(&self.0);
+            (0..CACHED).for_each(|row| {
+                let [wi, wo] = pair(columns, row);
+                black_box(plan.evaluate::<f32>(wi, wo));
+            });
+        })
+    }
+
+    fn batch<'a>(&'a self, level: Level, columns: &'a [Vec<f32>]) -> Task<'a> {
+        let mut results: [Vec<f32>; 3] = from_fn(|_| vec![0.0; CACHED]);
+        Task::new(CACHED, move || {
+            let (wi, wo) = halves(columns, CACHED);
+            // The lengths are equal.
+            let _ = black_box(&self.0).evaluate_batch_at(level, wi, wo, outputs(&mut results));
+            black_box(&mut results);
+        })
+    }
+
+    fn threads<'a>(&'a self, threads: usize, columns: &'a [Vec<f32>]) -> Task<'a> {
+        let count = 4 * threads * GRAIN;
+        let columns: Vec<Vec<f32>> =
+            columns.iter().map(|column| column.iter().copied().cycle().take(count).collect()).collect();
+        let mut results: [Vec<f32>; 3] = from_fn(|_| vec![0.0; count]);
+        Task::new(count, move || {
+            let (wi, wo) = halves(&columns, count);
+            let _ = black_box(&self.0).par_evaluate_batch(wi, wo, outputs(&mut results));
+            black_box(&mut results);
+        })
+    }
+
+    fn singles(&self, columns: &[Vec<f32>]) -> Vec<f64> {
+        let row = |row: usize| {
+            let [wi, wo] = pair(columns, row);
+            self.0.evaluate::<f32>(wi, wo).map(f64::from)
+        };
+        (0..columns[0].len()).flat_map(row).collect()
+    }
+
+    fn batched(&self, level: Level, columns: &[Vec<f32>]) -> Vec<f64> {
+        let count = columns[0].len();
+        let mut results: [Vec<f32>; 3] = from_fn(|_| vec![0.0; count]);
+        let (wi, wo) = halves(columns, count);
+        let _ = self.0.evaluate_batch_at(level, wi, wo, outputs(&mut results));
+        rows(&results)
+    }
+
+    fn doubles(&self, columns: &[Vec<f32>]) -> Vec<f64> {
+        let row = |row: usize| {
+            let [wi, wo] = pair(columns, row);
+            self.0.evaluate::<f64>(wi.cast(), wo.cast())
+        };
         (0..columns[0].len()).flat_map(row).collect()
     }
 }

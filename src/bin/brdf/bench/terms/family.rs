@@ -1,6 +1,6 @@
 //! The families of terms: which variants each has, what they are held against, and where.
 
-use super::cpu::{Runner, Shaped};
+use super::cpu::{Planned, Runner, Shaped};
 use super::formula::*;
 use crate::failure::Failure;
 use brdf::Vector;
@@ -41,8 +41,8 @@ pub(super) enum Inputs {
 pub(super) struct Variant {
     pub(super) name: &'static str,
     pub(super) runner: Box<dyn Runner>,
-    /// The body of its WGSL function.
-    pub(super) wgsl: &'static str,
+    /// The body of its WGSL function. Those without come last.
+    pub(super) wgsl: Option<&'static str>,
 }
 
 /// Variants that are compared with each other.
@@ -75,7 +75,7 @@ macro_rules! variants {
         vec![$(Variant {
             name: $name,
             runner: Box::new(Shaped::<_, $inputs, $outputs>($formula($constants.clone()))),
-            wgsl: $wgsl,
+            wgsl: Some($wgsl),
         },)*]
     };
 }
@@ -231,6 +231,20 @@ fn diffuse(constants: Constants) -> Family {
 }
 
 fn whole(constants: Constants) -> Family {
+    let planned = |name, max_error| {
+        let runner = Planned::new(&constants, max_error)?;
+        Some(Variant { name, runner: Box::new(runner), wgsl: None })
+    };
+    let planned = [planned(PLANNED, 0.0), planned("a plan, F fitted to 1e-6", 1e-6)];
+    let mut family = general(constants.clone());
+    family.variants.extend(planned.into_iter().flatten());
+    family
+}
+
+/// The exact BRDF as a plan evaluates it.
+pub(super) const PLANNED: &str = "a plan, exact";
+
+fn general(constants: Constants) -> Family {
     Family {
         name: "whole",
         slug: "whole",
@@ -243,7 +257,6 @@ fn whole(constants: Constants) -> Family {
         channels: 3,
         variants: variants! { constants, 6 -> 3:
             "exact conductor" RoughConductor "return _rough(a, b, c, d, e, f) * _conductor(_half(a, b, c, d, e, f));";
-            // The same as brdf::plan::Plan prepares it belongs here.
             "Fit 12" RoughFitTwelve "return _rough(a, b, c, d, e, f) * _fit_twelve(_half(a, b, c, d, e, f));";
             "Fit 8" RoughFitEight "return _rough(a, b, c, d, e, f) * _fit_eight(_half(a, b, c, d, e, f));";
             "Lazányi, corrected" RoughLazanyi "return _rough(a, b, c, d, e, f) * _lazanyi(_half(a, b, c, d, e, f));";

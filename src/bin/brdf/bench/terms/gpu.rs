@@ -169,8 +169,11 @@ pub(super) fn run(gpu: &Gpu, family: &Family, columns: &[Vec<f32>], quick: bool)
     let arguments = rows(&every)?;
     let seeds = &arguments[..SEEDS.min(columns[0].len()) * family.inputs.words()];
     let constants = as_bytes(&bits(&family.constants.rows()));
-    let sources: Vec<_> =
-        family.variants.iter().map(|variant| linked(family.inputs, variant.wgsl)).collect::<Result<_, _>>()?;
+    let sources: Vec<_> = family
+        .variants
+        .iter()
+        .map_while(|variant| Some(linked(family.inputs, variant.wgsl?)))
+        .collect::<Result<_, _>>()?;
     let mut results = Vec::new();
     let mut kernels = Vec::new();
     for source in &sources {
