@@ -381,3 +381,43 @@ fn shader_prints_what_a_stack_needs() {
     assert!(last_error(&brdf(&["shader", "copper", "--model", "walk"], "")).contains("no closed form"));
     assert!(last_error(&brdf(&["shader", "copper", "copper"], "")).contains("twice"));
 }
+
+#[test]
+fn plan_says_what_was_left_out_and_what_it_costs() {
+    let output = brdf(&["plan", "clear_coat_over_copper", "varnished_concrete", "--json"], "");
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let coated = &json["stacks"][0];
+    let rules: Vec<_> = coated["applied"].as_array().expect("a list").iter().map(|one| &one["rule"]).collect();
+    assert!(rules.iter().any(|rule| *rule == "clear_medium"), "{coated}");
+    let terms: Vec<_> = coated["terms"].as_array().expect("a list").iter().map(|one| &one["name"]).collect();
+    assert_eq!(terms, ["directions", "reflect_dielectric", "pass_dielectric", "reflect_metal"]);
+    assert_eq!(coated["operations"]["scalar"]["exponentials"], 2);
+    for cost in ["general", "plan", "batch"] {
+        assert!(coated["measured_ns"][cost].as_f64().is_some_and(|ns| ns > 0.0), "{coated}");
+    }
+    for level in brdf::batch::Level::available() {
+        assert!(coated["predicted_ns"][level.name()].as_f64().is_some_and(|ns| ns > 0.0), "{coated}");
+    }
+    let needless = json["scene"]["needless"].as_array().expect("a list");
+    assert!(needless.contains(&"lambert".into()) && !needless.contains(&"oren_nayar".into()), "{needless:?}");
+
+    let shown = text(&brdf(&["plan", "clear_coat_over_copper"], "").stdout);
+    assert!(shown.contains("clear_medium") && shown.contains("absorbs nothing"), "{shown}");
+}
+
+#[test]
+fn plan_takes_a_folder_and_refuses_what_has_no_closed_form() {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("scene");
+    std::fs::create_dir_all(&folder).expect("a writable folder");
+    stack_file("scene/one.toml", CUPRITE_OVER_COPPER);
+    stack_file("scene/two.toml", CUPRITE_OVER_COPPER);
+    let folder = folder.to_str().expect("a path in UTF-8");
+    let shown = text(&brdf(&["plan", folder], "").stdout);
+    assert!(shown.contains("SCENE of 2 stacks"), "{shown}");
+
+    let error = last_error(&brdf(&["plan", "copper", "--model", "coupled"], ""));
+    assert!(error.contains("the model coupled has no closed form"), "{error}");
+    assert_eq!(brdf(&["plan", "copper", "--error", "2"], "").status.code(), Some(2));
+    assert_eq!(brdf(&["plan"], "").status.code(), Some(2));
+}

@@ -21,7 +21,7 @@ fn v_cavity(cos_i: f32, cos_o: f32, h: vec3f) -> Masking {
 
 // Smith's masking for GGX, height-correlated.
 fn smith_ggx(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> Masking {
-    return _correlated(wi.z, wo.z, projected_area_ggx(wi, alpha_x, alpha_y), projected_area_ggx(wo, alpha_x, alpha_y));
+    return _correlated(wi.z, wo.z, 0.5 * _stretched_length(wi, alpha_x, alpha_y), 0.5 * _stretched_length(wo, alpha_x, alpha_y));
 }
 
 fn smith_ggx_separable(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> Masking {
@@ -30,8 +30,9 @@ fn smith_ggx_separable(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> Mask
 
 // Smith's masking for Beckmann's distribution, height-correlated.
 fn smith_beckmann(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> Masking {
-    return _correlated(wi.z, wo.z,
-        projected_area_beckmann(wi, alpha_x, alpha_y), projected_area_beckmann(wo, alpha_x, alpha_y));
+    let i = _beckmann_lambda(wi, alpha_x, alpha_y);
+    let o = _beckmann_lambda(wo, alpha_x, alpha_y);
+    return _correlated(wi.z, wo.z, 0.5 * i.x + i.y, 0.5 * o.x + o.y);
 }
 
 fn smith_beckmann_separable(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> Masking {
@@ -41,12 +42,23 @@ fn smith_beckmann_separable(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) ->
 
 // cos·(1+Lambda), the projected area of the microsurface that faces w.
 fn projected_area_ggx(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    return 0.5 * (w.z + _stretched_length(w, alpha_x, alpha_y));
+}
+
+// The length of w with its tangential components stretched by the widths: cos·(1+2·Lambda).
+fn _stretched_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
     let x = alpha_x * w.x;
     let y = alpha_y * w.y;
-    return 0.5 * (w.z + sqrt(w.z * w.z + x * x + y * y));
+    return sqrt(w.z * w.z + x * x + y * y);
 }
 
 fn projected_area_beckmann(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    let parts = _beckmann_lambda(w, alpha_x, alpha_y);
+    return parts.x + parts.y;
+}
+
+// The cosine, at least 0, and cos·Lambda.
+fn _beckmann_lambda(w: vec3f, alpha_x: f32, alpha_y: f32) -> vec2f {
     let x = alpha_x * w.x;
     let y = alpha_y * w.y;
     let s = sqrt(x * x + y * y);
@@ -55,7 +67,7 @@ fn projected_area_beckmann(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
     let tilted = z < 7.0 * s;
     let a = select(0.0, z, tilted) / select(1.0, s, tilted);
     let lambda = 0.5 * exp(-(a * a)) * (s * 0.56418958354775628695 - z * real::erfcx(a));
-    return z + select(0.0, lambda, tilted);
+    return vec2f(z, select(0.0, lambda, tilted));
 }
 
 // Kelemen & Szirmay-Kalos 2001: V = 1/|wi+wo|².
@@ -65,9 +77,9 @@ fn kelemen(cos_i: f32, cos_o: f32, h: vec3f) -> Masking {
     return Masking(select(0.0, 4.0 * cos_i * cos_o * visibility, inside), select(0.0, visibility, inside));
 }
 
-// G and V of correlated heights from the projected areas cos·(1+Lambda).
-fn _correlated(cos_i: f32, cos_o: f32, area_i: f32, area_o: f32) -> Masking {
-    return _from_denominator(cos_i, cos_o, (cos_o * area_i + cos_i * area_o) - cos_i * cos_o);
+// G and V of correlated heights from cos·(1/2+Lambda).
+fn _correlated(cos_i: f32, cos_o: f32, excess_i: f32, excess_o: f32) -> Masking {
+    return _from_denominator(cos_i, cos_o, excess_i * cos_o + excess_o * cos_i);
 }
 
 fn _separable(cos_i: f32, cos_o: f32, area_i: f32, area_o: f32) -> Masking {

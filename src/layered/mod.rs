@@ -228,7 +228,7 @@ impl<R: Real, const C: usize> Stack<R, C> {
         Ok(Self::unchecked(model, None, layers))
     }
 
-    fn unchecked(model: Model, widths: Option<Widths>, layers: Vec<Layer<R, C>>) -> Self {
+    pub(crate) fn unchecked(model: Model, widths: Option<Widths>, layers: Vec<Layer<R, C>>) -> Self {
         let rule = widths.unwrap_or(model.widths());
         Stack {
             widened: (rule != Widths::Own).then(|| rule.apply(&layers)),

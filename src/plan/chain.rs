@@ -76,7 +76,7 @@ pub(crate) use {with_surface, with_way};
 impl<const K: usize> Stage<K> {
     /// Takes one evaluation a step further. `wi` and `wo` are its directions above the stack.
     #[inline(always)]
-    fn step<W: Real<Wide = W>>(&self, ray: &mut Ray<W, K>, wi: Vector<W>, wo: Vector<W>) {
+    pub(crate) fn step<W: Real<Wide = W>>(&self, ray: &mut Ray<W, K>, wi: Vector<W>, wo: Vector<W>) {
         let top = (wi.z, wo.z);
         match self {
             Stage::Reflect { lobe, surface } => with_surface!(surface, fresnel => lobe.reflect(ray, fresnel)),
@@ -96,6 +96,8 @@ impl<const K: usize> Stage<K> {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Chain<const K: usize> {
     pub(crate) stages: Vec<Stage<K>>,
+    /// The layer that each stage is of, counted from the top, from 0.
+    pub(crate) layers: Vec<usize>,
 }
 
 impl<const K: usize> Chain<K> {

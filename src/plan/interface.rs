@@ -40,6 +40,11 @@ impl Dielectric {
         fits.then_some(Dielectric { step: (n - n_above) * (n + n_above), square: n * n, above: n_above * n_above })
     }
 
+    /// The index relative to the medium above.
+    pub(crate) fn eta(&self) -> f64 {
+        (self.square / self.above).sqrt()
+    }
+
     /// T of one direction as a fraction: 2ck·(P + N²A²S)/(S·P), S = (c+k)², P = (N²c + A²k)².
     #[inline(always)]
     fn fraction<W: Real<Wide = W>>(&self, (above, below): (W, W)) -> (W, W) {
@@ -137,6 +142,11 @@ impl Conductor {
         (steady && bright && fits).then_some(Conductor { real, product: n * k })
     }
 
+    /// The index relative to the medium above, whose index is given.
+    pub(crate) fn indices(&self, n_above: f64) -> (f64, f64) {
+        indices(self.real, self.product, n_above * n_above)
+    }
+
     /// F as a fraction. With w = (N+iK)² − (A²−c²), l² = (|w| + |Re w|)/2 and p, q the products of l with the real and imaginary
     /// part of √w: Fs = ((p−cl)² + q²)/((p+cl)² + q²), and Fq the same of pc, (A²−c²)l and qc.
     #[inline(always)]
@@ -163,6 +173,16 @@ impl Conductor {
     }
 }
 
+/// η and κ of N² − K² − A², N·K and A².
+fn indices(real: f64, product: f64, above: f64) -> (f64, f64) {
+    let difference = (real + above) / above;
+    let sum = (difference * difference + (2.0 * product / above).squared()).sqrt();
+    // The larger of the two from the sum, the other from the product: neither cancels.
+    let larger = (0.5 * (sum + difference.abs())).sqrt();
+    let smaller = product / (above * larger);
+    if difference < 0.0 { (smaller, larger) } else { (larger, smaller) }
+}
+
 /// A conductor with κ > n that is bright: a metal. The real part of w is negative at every angle, and a few operations go.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Metal {
@@ -181,6 +201,11 @@ impl Metal {
         let fits = k > n && fresnel::normal_incidence(n / n_above, k / n_above) >= Self::LEAST;
         let Conductor { real, product } = Conductor::new(n, k, n_above)?;
         fits.then_some(Metal { half_real: 0.5 * real, product })
+    }
+
+    /// The index relative to the medium above, whose index is given.
+    pub(crate) fn indices(&self, n_above: f64) -> (f64, f64) {
+        indices(2.0 * self.half_real, self.product, n_above * n_above)
     }
 
     /// F as a fraction. With L = (|w| − Re w)/2 and x = 2NK·c·√L: Fs = (B − x)/(B + x), B = c²L + L² + N²K², and Fq the same of

@@ -22,10 +22,13 @@
 //! ```
 
 pub(crate) mod chain;
+#[cfg(feature = "std")]
+mod cost;
 pub(crate) mod interface;
 mod reflectance;
 mod rule;
 pub(crate) mod stage;
+mod term;
 
 use crate::frame::Vector;
 use crate::fresnel::Fit;
@@ -34,13 +37,26 @@ use crate::real::Real;
 use alloc::vec::Vec;
 use chain::{Chain, Stage, Surface, Way};
 use core::fmt;
+#[cfg(feature = "std")]
+pub use cost::{Operations, Path};
 use interface::{AnyConductor, AnyDielectric, Conductor, Dielectric, Each, Fitted, Grey, Metal};
 pub use reflectance::Reflectance;
 pub use rule::{Applied, Rule};
 use stage::{Absorption, Base, Lobe, Passage};
+pub use term::Term;
 
 /// The depth 2τ from which a medium counts as opaque.
 const OPAQUE: f64 = 87.0;
+
+/// How a plan is made. The default is exact, by every rule.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Options<'a> {
+    /// The largest error of F with which a conductor's Fresnel terms may be fitted; 0 for none.
+    pub max_error: f64,
+    /// Rules that are not applied: what they save is measured, and that they change nothing is tested, against a plan
+    /// without them. [`Rule::SingleInterface`] rewrites nothing; without [`Rule::GreyInterface`] a dielectric still has one term.
+    pub without: &'a [Rule],
+}
 
 /// A stack prepared for evaluation under a closed-form model.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,17 +104,26 @@ impl<const C: usize> Plan<C> {
     /// # Errors
     /// As [`Plan::new`].
     pub fn with_error<R: Real>(stack: &Stack<R, C>, max_error: f64) -> Result<Self, NotClosedForm> {
+        Self::with_options(stack, &Options { max_error, ..Options::default() })
+    }
+
+    /// The plan of a stack, made as these options say.
+    ///
+    /// # Errors
+    /// As [`Plan::new`].
+    pub fn with_options<R: Real>(stack: &Stack<R, C>, options: &Options<'_>) -> Result<Self, NotClosedForm> {
         let model = stack.model();
         if !Model::CLOSED_FORM.contains(&model) {
             return Err(NotClosedForm(model));
         }
         let layers: Vec<Layer<f64, C>> = stack.effective_layers().iter().map(Layer::cast).collect();
         let mut applied = Vec::new();
-        let chains = if crate::layered::model::disperses(&layers) {
+        let shared = !options.without.contains(&Rule::SharedDirections);
+        let chains = if crate::layered::model::disperses(&layers) || !shared {
             let channel = |c: usize| {
                 let layers: Vec<Layer<f64, 1>> = layers.iter().map(|layer| one_channel(layer, c)).collect();
                 let mut own = Vec::new();
-                let chain = Builder { model, max_error, applied: &mut own }.chain(&layers);
+                let chain = Builder { model, options, applied: &mut own }.chain(&layers);
                 (chain, own)
             };
             let (chains, found): (Vec<_>, Vec<_>) = (0..C).map(channel).unzip();
@@ -111,7 +136,7 @@ impl<const C: usize> Plan<C> {
             if C > 1 && layers.len() > 1 {
                 applied.push(Applied { rule: Rule::SharedDirections, layer: 0 });
             }
-            Chains::Together(Builder { model, max_error, applied: &mut applied }.chain(&layers))
+            Chains::Together(Builder { model, options, applied: &mut applied }.chain(&layers))
         };
         applied.sort_by_key(|applied| (applied.layer, applied.rule));
         Ok(Plan { model, chains, applied })
@@ -164,30 +189,33 @@ fn one_channel<const C: usize>(layer: &Layer<f64, C>, c: usize) -> Layer<f64, 1>
 /// Makes the stages of a chain, and notes the rules that apply.
 struct Builder<'a> {
     model: Model,
-    max_error: f64,
+    options: &'a Options<'a>,
     applied: &'a mut Vec<Applied>,
 }
 
 impl Builder<'_> {
     fn chain<const K: usize>(mut self, layers: &[Layer<f64, K>]) -> Chain<K> {
         let compressed = self.model == Model::Conserving;
-        let mut stages: Vec<Stage<K>> = Vec::new();
+        // Each with the layer that it is of.
+        let mut stages: Vec<(usize, Stage<K>)> = Vec::new();
         let (mut n_above, mut widest) = (1.0, 0.0f64);
+        // Stages at the top that stay, whatever is below them.
+        let mut kept = 0;
         if let [_] = layers {
-            self.note(Rule::SingleInterface, 0);
+            self.applies(Rule::SingleInterface, 0);
         }
         for (position, layer) in layers.iter().enumerate() {
             let last = position + 1 == layers.len();
             match layer.interface {
                 Interface::Diffuse { albedo, sigma } => {
                     let base = Base { albedo, sigma, n_above, compressed };
-                    if albedo == [0.0; K] {
-                        self.note(Rule::BlackBase, position);
-                    } else if sigma == 0.0 {
-                        self.note(Rule::FlatBase, position);
-                        stages.push(Stage::Lambert(base));
+                    if albedo == [0.0; K] && self.applies(Rule::BlackBase, position) {
+                        // Reflects nothing.
+                    } else if sigma == 0.0 && self.applies(Rule::FlatBase, position) {
+                        stages.push((position, Stage::Lambert(base)));
                     } else {
-                        stages.push(Stage::OrenNayar { base, about_half: self.model == Model::WeidlichWilkie });
+                        let about_half = self.model == Model::WeidlichWilkie;
+                        stages.push((position, Stage::OrenNayar { base, about_half }));
                     }
                     break;
                 }
@@ -197,78 +225,94 @@ impl Builder<'_> {
                     let alpha = if self.model == Model::Elek { widest } else { alpha };
                     // Elek's Fresnel terms take the absolute index.
                     let reference = if self.model == Model::Elek { 1.0 } else { n_above };
-                    if dielectric && n == [n_above; K] && n_above == reference {
-                        self.note(Rule::MatchedIndices, position);
-                    } else {
+                    let matched = dielectric && n == [n_above; K] && n_above == reference;
+                    if !(matched && self.applies(Rule::MatchedIndices, position)) {
                         let grey = n == [n[0]; K] && k == [k[0]; K];
                         if dielectric {
-                            self.note(Rule::NoConductor, position);
+                            self.applies(Rule::NoConductor, position);
                         }
                         if grey && K > 1 {
-                            self.note(Rule::GreyInterface, position);
+                            self.applies(Rule::GreyInterface, position);
                         }
                         let surface = self.surface(n, k, n_above, reference);
-                        stages.push(Stage::Reflect { lobe: Lobe::new(alpha, n_above, compressed), surface });
+                        let lobe = Lobe::new(alpha, n_above, compressed);
+                        stages.push((position, Stage::Reflect { lobe, surface }));
                         if !last {
                             let way = self.way(n, k, n_above, reference);
                             let passage = Passage::new(n_above, n[0]);
-                            stages.push(Stage::Pass { passage, way, model: self.model });
+                            stages.push((position, Stage::Pass { passage, way, model: self.model }));
                         }
                     }
                     n_above = n[0];
                     let depth = layer.medium.sigma.map(|sigma| sigma * layer.medium.thickness);
-                    if last {
-                        if depth != [0.0; K] {
-                            self.note(Rule::LastMedium, position);
-                        }
-                    } else if depth == [0.0; K] {
-                        self.note(Rule::ClearMedium, position);
-                    } else {
-                        match stages.last_mut() {
-                            // Nothing between this medium and the one above: they are one.
-                            Some(Stage::Absorb(medium)) => {
-                                for (sum, depth) in medium.depth.iter_mut().zip(depth) {
-                                    *sum += n_above * depth;
-                                }
+                    let clear = depth == [0.0; K];
+                    if last && !clear && !self.applies(Rule::LastMedium, position) {
+                        stages
+                            .push((position, Stage::Absorb(Absorption { depth: depth.map(|depth| n_above * depth) })));
+                        kept = stages.len();
+                    }
+                    if last || (clear && self.applies(Rule::ClearMedium, position)) {
+                        continue;
+                    }
+                    match stages.last_mut() {
+                        // Nothing between this medium and the one above: they are one.
+                        Some((_, Stage::Absorb(medium))) => {
+                            for (sum, depth) in medium.depth.iter_mut().zip(depth) {
+                                *sum += n_above * depth;
                             }
-                            _ => stages.push(Stage::Absorb(Absorption { depth: depth.map(|depth| n_above * depth) })),
                         }
-                        if depth.iter().all(|depth| 2.0 * depth >= OPAQUE) {
-                            self.note(Rule::OpaqueMedium, position);
-                            break;
+                        _ => {
+                            let depth = depth.map(|depth| n_above * depth);
+                            stages.push((position, Stage::Absorb(Absorption { depth })));
                         }
+                    }
+                    let opaque = depth.iter().all(|depth| 2.0 * depth >= OPAQUE);
+                    if opaque && self.applies(Rule::OpaqueMedium, position) {
+                        break;
                     }
                 }
             }
         }
         // What carries light to where nothing reflects any more.
-        while let Some(Stage::Pass { .. } | Stage::Absorb(_)) = stages.last() {
+        while stages.len() > kept
+            && let Some((_, Stage::Pass { .. } | Stage::Absorb(_))) = stages.last()
+        {
             stages.pop();
         }
-        Chain { stages }
+        let (layers, stages) = stages.into_iter().unzip();
+        Chain { stages, layers }
     }
 
-    fn note(&mut self, rule: Rule, layer: usize) {
-        self.applied.push(Applied { rule, layer });
+    /// Notes a rule, unless it is not to be applied.
+    fn applies(&mut self, rule: Rule, layer: usize) -> bool {
+        let wanted = self.wants(rule);
+        if wanted {
+            self.applied.push(Applied { rule, layer });
+        }
+        wanted
+    }
+
+    fn wants(&self, rule: Rule) -> bool {
+        !self.options.without.contains(&rule)
     }
 
     /// A fit of the indices relative to `reference`, by the smallest polynomial that is good enough.
     fn fit<const K: usize, const N: usize>(&self, n: [f64; K], k: [f64; K], reference: f64) -> Option<Fit<K, N>> {
         let fit = Fit::new(n.map(|n| n / reference), k.map(|k| k / reference)).ok()?;
-        fit.max_error.iter().all(|error| *error <= self.max_error).then_some(fit)
+        fit.max_error.iter().all(|error| *error <= self.options.max_error).then_some(fit)
     }
 
     /// The cheapest form of what an interface reflects.
     fn surface<const K: usize>(&self, n: [f64; K], k: [f64; K], n_above: f64, reference: f64) -> Surface<K> {
         let grey = n == [n[0]; K] && k == [k[0]; K];
-        if grey && k[0] == 0.0 {
+        if grey && k[0] == 0.0 && self.wants(Rule::NoConductor) {
             let eta = n[0] / reference;
             return match Dielectric::new(eta * n_above, n_above) {
                 Some(dielectric) => Surface::Dielectric(dielectric),
                 None => Surface::AnyDielectric(AnyDielectric { eta, n_above }),
             };
         }
-        if self.max_error > 0.0 {
+        if self.options.max_error > 0.0 {
             if let Some(fit) = self.fit(n, k, reference) {
                 return Surface::Fit8(Fitted { fit, n_above });
             }
@@ -283,7 +327,11 @@ impl Builder<'_> {
         let scale = n_above / reference;
         let of = |c: usize| (scale * n[c], scale * k[c]);
         if let Some(metals) = every(|c| Metal::new(of(c).0, of(c).1, n_above)) {
-            return if grey { Surface::GreyMetal(Grey(metals[0])) } else { Surface::Metals(Each(metals)) };
+            return if grey && self.wants(Rule::GreyInterface) {
+                Surface::GreyMetal(Grey(metals[0]))
+            } else {
+                Surface::Metals(Each(metals))
+            };
         }
         if let Some(conductors) = every(|c| Conductor::new(of(c).0, of(c).1, n_above)) {
             return Surface::Conductors(Each(conductors));

@@ -1,8 +1,8 @@
 //! The Fresnel reflectance of one interface, prepared as a plan prepares it.
 
-use super::Builder;
 use super::chain::{Surface, with_surface};
 use super::interface::Reflects;
+use super::{Builder, Options};
 use crate::batch::Kernel;
 use crate::layered::Model;
 use crate::real::Real;
@@ -29,7 +29,8 @@ pub struct Reflectance<const C: usize>(Surface<C>);
 impl<const C: usize> Reflectance<C> {
     /// For the index n + iκ of each channel relative to the medium of incidence; n > 0, κ ≥ 0.
     pub fn new(n: [f64; C], k: [f64; C]) -> Self {
-        let builder = Builder { model: Model::Conserving, max_error: 0.0, applied: &mut Vec::new() };
+        let (model, options) = (Model::Conserving, &Options::default());
+        let builder = Builder { model, options, applied: &mut Vec::new() };
         Reflectance(builder.surface(n, k, 1.0, 1.0))
     }
 

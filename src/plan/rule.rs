@@ -1,5 +1,8 @@
 //! What a plan leaves out, by name.
 
+use crate::layered::{Interface, Layer, Model, Stack};
+use alloc::vec;
+use alloc::vec::Vec;
 use core::fmt;
 
 /// A rewriting of a stack that leaves its BRDF as it is.
@@ -76,6 +79,26 @@ impl Rule {
             Rule::SharedDirections => "one refraction and one lobe for all channels",
             Rule::SingleInterface => "alone: every model is the same",
         }
+    }
+
+    /// A stack that the rule applies to, by which what it saves is measured (`brdf plan --rules`, `benches/plan.rs`).
+    pub fn example(self) -> Stack<f64, 3> {
+        let copper = Interface::conductor([0.213, 1.04, 1.17], [4.05, 2.59, 2.36], 0.3);
+        let (coat, copper) = (Layer::new(Interface::dielectric(1.5, 0.1)), Layer::new(copper));
+        let tint = [0.15, 1.2, 1.6];
+        let over = |albedo, sigma| vec![coat.over(tint, 0.4), Layer::new(Interface::diffuse(albedo, sigma))];
+        let layers: Vec<Layer<f64, 3>> = match self {
+            Rule::ClearMedium | Rule::NoConductor | Rule::SharedDirections => vec![coat, copper],
+            Rule::LastMedium => vec![coat, copper.over(tint, 0.4)],
+            Rule::MatchedIndices => vec![coat, Layer::new(Interface::dielectric(1.5, 0.3)), copper],
+            Rule::OpaqueMedium => vec![coat.over([1.0; 3], 100.0), copper],
+            Rule::BlackBase => over([0.0; 3], 0.5),
+            Rule::FlatBase => over([0.55, 0.53, 0.5], 0.0),
+            Rule::GreyInterface => vec![Layer::new(Interface::conductor([2.9; 3], [3.1; 3], 0.3))],
+            Rule::SingleInterface => vec![copper],
+        };
+        // Each is valid, which a test asserts: they are not empty.
+        Stack::unchecked(Model::Conserving, None, layers)
     }
 }
 

@@ -5,12 +5,13 @@
 //! and without a chain of rounding errors. f has no 1/n² then, and the visibility no n²: they cancel.
 //!
 //! In f32 the exponent of Beckmann's distribution is what loses digits. tan² is carried as a number and what rounding took
-//! from it, from the half vector's rounding on.
+//! from it, from the half vector's rounding on; not over f64, whose digits suffice ([`Real::CARRIES`]).
 
 use super::interface::{Reflects, Transmits};
 use crate::diffuse;
 use crate::frame::Vector;
 use crate::real::Real;
+use crate::twofold::Twofold;
 
 /// One evaluation on its way down the stack, over `K` channels that share their directions.
 #[derive(Clone, Copy, Debug)]
@@ -41,24 +42,28 @@ impl<W: Real<Wide = W>, const K: usize> Ray<W, K> {
     pub(crate) fn new(wi: Vector<W>, wo: Vector<W>) -> Self {
         let lit = wi.z.gt(W::from_f64(HORIZON)) & wo.z.gt(W::from_f64(HORIZON));
         let (cos_i, cos_o) = (W::select(lit, wi.z, W::ONE), W::select(lit, wo.z, W::ONE));
-        let ((x, x_lost), (y, y_lost)) = (wi.x.sum_exact(wo.x), wi.y.sum_exact(wo.y));
-        let ((xx, xx_lost), (yy, yy_lost)) = (x.product_exact(x), y.product_exact(y));
-        let (across, across_lost) = xx.sum_exact(yy);
-        let mixed = x.mul_add(x_lost, y * y_lost);
-        let lost = ((mixed + mixed) + (xx_lost + yy_lost)) + across_lost;
+        let (x, y) = (Twofold::sum(wi.x, wo.x), Twofold::sum(wi.y, wo.y));
+        let (xx, yy) = (Twofold::square(x.high), Twofold::square(y.high));
+        let across = Twofold::sum(xx.high, yy.high);
+        let lost = if W::CARRIES {
+            let mixed = x.high.mul_add(x.low, y.high * y.low);
+            ((mixed + mixed) + (xx.low + yy.low)) + across.low
+        } else {
+            W::ZERO
+        };
         let mut ray = Ray {
             cos_i,
             cos_o,
             h_z: W::ZERO,
             half_squared: W::ZERO,
             tan: (W::ZERO, W::ZERO),
-            across: (across, lost),
+            across: (across.high, lost),
             weight: [W::select(lit, W::ONE, W::ZERO); K],
             f: [W::ZERO; K],
         };
-        let least = cos_i.min(cos_o);
         let h_z = cos_i + cos_o;
-        ray.aim(h_z, least - (h_z - cos_i.max(cos_o)));
+        let rounding = if W::CARRIES { cos_i.min(cos_o) - (h_z - cos_i.max(cos_o)) } else { W::ZERO };
+        ray.aim(h_z, rounding);
         ray
     }
 
@@ -81,14 +86,18 @@ impl<W: Real<Wide = W>, const K: usize> Ray<W, K> {
     #[inline(always)]
     fn aim(&mut self, h_z: W, lost: W) {
         let (across, across_lost) = self.across;
-        let (z_squared, z_lost) = h_z.product_exact(h_z);
-        let z_lost = (h_z + h_z).mul_add(lost, z_lost);
-        let inverse = W::ONE / z_squared;
-        let tan = across * inverse;
-        // What is left of the division, and what the parts had lost.
-        let rest = tan.remainder(z_squared, across) + tan.remainder(z_lost, across_lost);
+        let z_squared = Twofold::square(h_z);
+        self.tan = if W::CARRIES {
+            let z_lost = (h_z + h_z).mul_add(lost, z_squared.low);
+            let inverse = W::ONE / z_squared.high;
+            let tan = across * inverse;
+            // What is left of the division, and what the parts had lost.
+            let rest = tan.remainder(z_squared.high, across) + tan.remainder(z_lost, across_lost);
+            (tan, rest * inverse)
+        } else {
+            (across / z_squared.high, W::ZERO)
+        };
         self.h_z = h_z;
-        self.tan = (tan, rest * inverse);
         self.half_squared = W::from_f64(0.25) * h_z.mul_add(h_z, across);
     }
 
@@ -137,17 +146,25 @@ impl Lobe {
         Lobe { inverse_square, scale: if compressed { scale } else { scale * n_above * n_above }, n_above }
     }
 
+    /// The width.
+    pub(crate) fn alpha(&self) -> f64 {
+        1.0 / self.inverse_square.sqrt()
+    }
+
     /// Adds what the interface reflects.
     #[inline(always)]
     pub(crate) fn reflect<W: Real<Wide = W>, const K: usize>(&self, ray: &mut Ray<W, K>, fresnel: &impl Reflects<K>) {
         let (tan, lost) = ray.tan;
         let inverse_square = W::from_f64(self.inverse_square);
-        let inverse_lost = W::from_f64(self.inverse_square - inverse_square.to_f64());
-        let (exponent, rounding) = tan.product_exact(inverse_square);
-        let rounding = tan.mul_add(inverse_lost, lost.mul_add(inverse_square, rounding));
+        let product = Twofold::product(tan, inverse_square);
+        let exponent = product.high;
         let inside = exponent.le(W::EXP_LIMIT);
-        let exponential = (-exponent).exp_within();
-        let exponential = exponential.remainder(rounding, exponential);
+        let mut exponential = (-exponent).exp_within();
+        if W::CARRIES {
+            let inverse_lost = W::from_f64(self.inverse_square - inverse_square.to_f64());
+            let rounding = tan.mul_add(inverse_lost, lost.mul_add(inverse_square, product.low));
+            exponential = exponential.remainder(rounding, exponential);
+        }
         let secant = W::ONE + tan;
         let d = W::select(inside, (secant * secant) * (exponential * W::from_f64(self.scale)), W::ZERO);
 
@@ -200,10 +217,15 @@ impl Passage {
         let (i, o) = (W::select(goes_on, i, W::ONE), W::select(goes_on, o, W::ONE));
         (ray.cos_i, ray.cos_o) = (i, o);
         let h_z = i + o;
-        let rounding = i.min(o) - (h_z - i.max(o));
-        // What the two roots lost, (i_rest/i + o_rest/o)/2.
-        let roots = W::HALF * i_rest.mul_add(o, o_rest * i) / (i * o);
-        ray.aim(h_z, W::select(goes_on, roots, W::ZERO) + rounding);
+        let lost = if W::CARRIES {
+            let rounding = i.min(o) - (h_z - i.max(o));
+            // What the two roots lost, (i_rest/i + o_rest/o)/2.
+            let roots = W::HALF * i_rest.mul_add(o, o_rest * i) / (i * o);
+            W::select(goes_on, roots, W::ZERO) + rounding
+        } else {
+            W::ZERO
+        };
+        ray.aim(h_z, lost);
         before
     }
 
@@ -211,12 +233,16 @@ impl Passage {
     #[inline(always)]
     fn below<W: Real<Wide = W>>(&self, cos: W) -> (W, W, W) {
         let excess = W::from_f64(self.excess);
-        let excess_lost = W::from_f64(self.excess - excess.to_f64());
-        let (square, square_lost) = cos.product_exact(cos);
-        let (sum, sum_lost) = square.sum_exact(excess);
-        let sum_lost = sum_lost + (square_lost + excess_lost);
-        let root = sum.max(W::ZERO).sqrt();
-        (root, sum, root.remainder(root, sum) + sum_lost)
+        let square = Twofold::square(cos);
+        let sum = Twofold::sum(square.high, excess);
+        let root = sum.high.max(W::ZERO).sqrt();
+        let rest = if W::CARRIES {
+            let excess_lost = W::from_f64(self.excess - excess.to_f64());
+            root.remainder(root, sum.high) + (sum.low + (square.low + excess_lost))
+        } else {
+            W::ZERO
+        };
+        (root, sum.high, rest)
     }
 
     /// The energy-conserving way: the transmittance of either direction.
@@ -297,7 +323,9 @@ impl<const K: usize> Absorption<K> {
     pub(crate) fn absorb<W: Real<Wide = W>>(&self, ray: &mut Ray<W, K>) {
         let path = ray.h_z / (ray.cos_i * ray.cos_o);
         for channel in 0..K {
-            ray.weight[channel] = ray.weight[channel] * W::exp_product(W::from_f64(self.depth[channel]), path);
+            let depth = W::from_f64(self.depth[channel]);
+            let through = if W::CARRIES { W::exp_product(depth, path) } else { (-(depth * path)).exp() };
+            ray.weight[channel] = ray.weight[channel] * through;
         }
     }
 }

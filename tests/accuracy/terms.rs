@@ -3,7 +3,8 @@
 use crate::inputs::{self, DIMENSIONS, Point, alpha, cosine, diffuse_pair, flat, half, index, log, pair, share, upper};
 use crate::naive;
 use brdf::batch::{self, Kernel, Level};
-use brdf::layered::{self, Interface, Layer};
+use brdf::layered::{self, Interface, Layer, Model, Stack};
+use brdf::plan::Plan;
 use brdf::single::Single;
 use brdf::{Real, Vector};
 use brdf::{absorption, diffuse, distribution, fresnel, masking, microfacet, phong, refraction};
@@ -45,6 +46,8 @@ pub(crate) struct Term {
     pub(crate) batch: Batch,
     /// The limit of a batch; else the target.
     pub(crate) limit: Option<Limit>,
+    /// Where a batch is measured.
+    pub(crate) steady: fn(&[f64]) -> bool,
     /// As the documents print it.
     pub(crate) naive: Option<Form<f32>>,
     /// Whether the result is 0 by decree in f32: an exponent beyond [`Real::EXP_LIMIT`].
@@ -58,10 +61,10 @@ impl Term {
         format!("{}::{}", self.module, self.function)
     }
 
-    /// The limit of a batch; stacks are planned first, and have their own kernel.
+    /// The limit of a batch: its own, else the target.
     pub(crate) fn batch_limit(&self) -> Option<Limit> {
         let target = self.target.map(|ulp| Limit { ulp, scale: |_| 0.0 });
-        self.limit.or(target).filter(|_| self.module != "layered")
+        self.limit.or(target)
     }
 
     /// Whether a result is large enough to be measured. Where no light gets through there is nothing to be off by: total
@@ -131,6 +134,18 @@ fn stack_inputs(p: &Point) -> Vec<f32> {
     flat(&pair(if p[12] < 0.5 { coat } else { numbers[6] }, p), &numbers)
 }
 
+/// Each stack planned, and its batch of one.
+fn planned(model: Model, level: Level, a: [&[f32]; DIMENSIONS], [f, ..]: [&mut [f32]; 3]) {
+    for (i, f) in f.chunks_mut(1).enumerate() {
+        let point = a.map(|column| f64::from(column[i]));
+        let stack = Stack::new(model, stack(&point).to_vec()).expect("in the ranges");
+        let plan = Plan::new(&stack).expect("a closed form");
+        let one = |c: usize| &a[c][i..=i];
+        let (wi, wo) = ([one(0), one(1), one(2)], [one(3), one(4), one(5)]);
+        plan.evaluate_batch_at(level, wi, wo, [f]).expect("slices of one length");
+    }
+}
+
 macro_rules! term {
     ($list:ident, $module:ident::$function:ident $results:expr, $domain:literal, $draw:expr, |$a:ident| $body:expr
         $(, target $target:literal)? $(, naive |$b:ident| $naive:expr)? $(, past |$c:ident| $past:expr)?
@@ -164,6 +179,7 @@ macro_rules! term {
                     batch::map_at(level, &Batched, arguments, results).expect("slices of one length");
                 },
                 limit: None,
+                steady: |_| true,
                 naive: None,
                 past: |_| false,
                 signed: false,
@@ -181,6 +197,20 @@ macro_rules! term {
         };
         $list.push(term);
     }};
+}
+
+/// Has the last term evaluated by plans in a batch.
+fn plan_last(terms: &mut [Term], batch: Batch, steady: fn(&[f64]) -> bool) {
+    if let Some(last) = terms.last_mut() {
+        (last.batch, last.steady) = (batch, steady);
+    }
+}
+
+/// Whether an index has no critical angle to speak of: (η+iκ)² − sin² stays at least .1 from 0.
+fn steady(eta: f64, kappa: f64) -> bool {
+    let real = eta * eta - 1.0 - kappa * kappa;
+    let distance = real.max(-real - 1.0).max(0.0);
+    distance.hypot(2.0 * eta * kappa) >= 0.1
 }
 
 /// Every term of the crate that has an error to speak of.
@@ -337,13 +367,16 @@ pub(crate) fn terms() -> Vec<Term> {
         |a| layered::internal_reflection(a[0], a[1]), naive |a| 1.0 - a[1] + a[1] * a[0]);
     term!(t, layered::conserving [""], "two layers: cos [1e-6, 1], coat n [1.1, 2.5], σd to 10, base n [.02, 8], κ [0, 12], both α [1e-3, 1]; f > 1e-8",
         stack_inputs, |a| { let [f] = layered::conserving(&stack(a), vector(a), vector(&a[3..])); f },
-        target 12.0, least 1e-8);
+        target 12.0, least 1e-8, batch 64.0);
+    plan_last(&mut t, |level, a, f| planned(Model::Conserving, level, a, f), |a| steady(a[10] / a[6], a[11] / a[6]));
     term!(t, layered::elek [""], "the same",
         stack_inputs, |a| { let [f] = layered::elek(&stack(a), vector(a), vector(&a[3..])); f },
-        target 12.0, least 1e-8);
+        target 12.0, least 1e-8, batch 64.0);
+    plan_last(&mut t, |level, a, f| planned(Model::Elek, level, a, f), |a| steady(a[10], a[11]));
     term!(t, layered::weidlich_wilkie [""], "the same",
         stack_inputs, |a| { let [f] = layered::weidlich_wilkie(&stack(a), vector(a), vector(&a[3..])); f },
-        target 12.0, least 1e-8);
+        target 12.0, least 1e-8, batch 64.0);
+    plan_last(&mut t, |level, a, f| planned(Model::WeidlichWilkie, level, a, f), |a| steady(a[10] / a[6], a[11] / a[6]));
 
     term!(t, real::erfcx [""], "x [1e-6, 1e4]", |p| vec![log(p[0], 1e-6, 1e4) as f32], |a| a[0].erfcx(), batch 6.0);
     term!(t, real::exp_product [""], "a, b [1e-6, 1e3]",

@@ -1,4 +1,5 @@
 //! Stacks at which every rule of a plan applies, directions, and how far f of a plan may be off.
+#![allow(dead_code)] // each test takes what it needs
 
 use brdf::Vector;
 use brdf::layered::{Interface, Layer, Medium, Model, Stack};
@@ -22,7 +23,7 @@ impl Random {
     }
 
     /// Three numbers, or one number three times.
-    fn channels(&mut self, same: bool, mut one: impl FnMut(&mut Self) -> f64) -> [f64; 3] {
+    pub(crate) fn channels(&mut self, same: bool, mut one: impl FnMut(&mut Self) -> f64) -> [f64; 3] {
         let first = one(self);
         if same { [first; 3] } else { [first, one(self), one(self)] }
     }
@@ -87,10 +88,9 @@ impl Random {
     }
 }
 
-/// How far f of a plan, or of what is made of it, may be off in f64, channel by channel: 1e-12 of it, and 8 times what moving a component of a direction
-/// or an index by 4 ε does to it. By a critical angle, behind a thinner medium at grazing, and where an exponent is large, that is
-/// what either way of computing it loses.
-pub(crate) fn allowed(stack: &Stack<f64, 3>, [wi, wo]: [Vector<f64>; 2]) -> [f64; 3] {
+/// The most that f of each channel changes by where a component of a direction or a number of a layer changes by this share of it.
+/// By a critical angle, behind a thinner medium at grazing, and where an exponent is large, that is what any way of computing f loses.
+pub(crate) fn moved(stack: &Stack<f64, 3>, [wi, wo]: [Vector<f64>; 2], share: f64) -> [f64; 3] {
     let f: [f64; 3] = stack.evaluate(wi, wo);
     let mut moved = [0.0f64; 3];
     let mut compare = |near: [f64; 3]| {
@@ -98,7 +98,7 @@ pub(crate) fn allowed(stack: &Stack<f64, 3>, [wi, wo]: [Vector<f64>; 2]) -> [f64
             moved[channel] = moved[channel].max((near[channel] - f[channel]).abs());
         }
     };
-    for factor in [1.0 - 4.0 * f64::EPSILON, 1.0 + 4.0 * f64::EPSILON] {
+    for factor in [1.0 - share, 1.0 + share] {
         for component in 0..6 {
             let mut numbers: [f64; 6] = [wi.x, wi.y, wi.z, wo.x, wo.y, wo.z];
             numbers[component] *= factor;
@@ -106,12 +106,27 @@ pub(crate) fn allowed(stack: &Stack<f64, 3>, [wi, wo]: [Vector<f64>; 2]) -> [f64
             compare(stack.evaluate(Vector::new(a, b, c), Vector::new(d, e, g)));
         }
         for position in 0..stack.layers().len() {
-            let mut layers = stack.layers().to_vec();
-            if let Interface::Microfacet { n, .. } = &mut layers[position].interface {
-                *n = n.map(|n| n * factor);
+            for number in 0..4 {
+                let mut layers = stack.layers().to_vec();
+                match (&mut layers[position], number) {
+                    (Layer { interface: Interface::Microfacet { n, .. }, .. }, 0) => *n = n.map(|n| n * factor),
+                    (Layer { interface: Interface::Microfacet { k, .. }, .. }, 1) => *k = k.map(|k| k * factor),
+                    (Layer { interface: Interface::Microfacet { alpha, .. }, .. }, 2) => {
+                        *alpha = (*alpha * factor).min(1.0)
+                    }
+                    (Layer { medium, .. }, 3) => medium.thickness *= factor,
+                    _ => continue,
+                }
+                compare(Stack::new(stack.model(), layers).expect("within the ranges").evaluate(wi, wo));
             }
-            compare(Stack::new(stack.model(), layers).expect("within the ranges").evaluate(wi, wo));
         }
     }
+    moved
+}
+
+/// How far f of a plan may be off in f64, channel by channel: 1e-12 of it, and 8 times what 4 ε of a number do to it.
+pub(crate) fn allowed(stack: &Stack<f64, 3>, pair: [Vector<f64>; 2]) -> [f64; 3] {
+    let f: [f64; 3] = stack.evaluate(pair[0], pair[1]);
+    let moved = moved(stack, pair, 4.0 * f64::EPSILON);
     [0, 1, 2].map(|c| 1e-12 * f[c] + 8.0 * moved[c] + 1e-30)
 }

@@ -7,6 +7,7 @@ mod failure;
 mod list;
 mod material;
 mod parity;
+mod plan;
 mod plot;
 mod shader;
 mod term;
@@ -36,6 +37,8 @@ enum Command {
     Bench(bench::Options),
     /// Print the WGSL of stacks: what they need and nothing else, or the general kernels.
     Shader(shader::Options),
+    /// Say what must be computed of a stack, what was left out and why, and what it costs.
+    Plan(plan::Options),
     /// Draw a term as SVG.
     Plot(plot::Options),
 }
@@ -48,6 +51,7 @@ fn main() -> ExitCode {
         Command::Parity(options) => parity::run(&options),
         Command::Bench(options) => bench::run(&options),
         Command::Shader(options) => shader::run(&options),
+        Command::Plan(options) => plan::run(&options),
         Command::Plot(options) => plot::run(&options),
     };
     match result {
