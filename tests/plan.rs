@@ -4,7 +4,7 @@ mod stacks;
 
 use brdf::Vector;
 use brdf::batch::{LengthError, Level};
-use brdf::layered::{Interface, Layer, Medium, Model, Stack};
+use brdf::layered::{Interface, Model, Stack};
 use brdf::material::stack;
 use brdf::plan::{Options, Plan, Rule};
 use stacks::{Random, allowed, moved};
@@ -122,7 +122,7 @@ fn excess(stack: &Stack<f64, 3>, got: [f32; 3], want: [f64; 3], pair: [Vector<f6
         }
         let unit = ulp(want[c].max(base[c]));
         let mut error = (f64::from(got[c]) - want[c]).abs() / unit;
-        if !(error <= BATCH_ULP) {
+        if error.is_nan() || error > BATCH_ULP {
             let half = 0.5 * f64::from(f32::EPSILON);
             error -= 4.0 * conditioning.get_or_insert_with(|| moved(stack, pair, half))[c] / unit;
         }
