@@ -165,32 +165,24 @@ impl<V: Viewers, const K: usize> Work for Run<'_, V, K> {
         for channel in 0..K {
             f[channel] = &mut core::mem::take(&mut f[channel])[..count];
         }
+        let mut done = 0;
         if let [Stage::Reflect { lobe, surface }] = chain.stages.as_slice() {
-            // One interface: nothing to keep between stages.
+            // One interface: nothing to keep between stages. What does not fill a vector is left to the block.
             with_surface!(surface, fresnel => {
                 let (lobe, fresnel) = (*lobe, *fresnel);
-                let whole = count - count % L::COUNT;
-                let mut start = 0;
-                while start + L::COUNT <= count {
-                    let (wi, wo) = pair(wi, wo, start, start + L::COUNT);
+                while done + L::COUNT <= count {
+                    let (wi, wo) = pair(wi, wo, done, done + L::COUNT);
                     let mut ray = Ray::<L, K>::new(wi, wo);
                     lobe.reflect(&mut ray, &fresnel);
                     for channel in 0..K {
-                        ray.f[channel].store(&mut f[channel][start..]);
+                        ray.f[channel].store(&mut f[channel][done..]);
                     }
-                    start += L::COUNT;
-                }
-                if whole < count {
-                    let (wi, wo) = pair(wi, wo, whole, count);
-                    let mut ray = Ray::<L, K>::new(wi, wo);
-                    lobe.reflect(&mut ray, &fresnel);
-                    put(&mut f, whole, ray.f);
+                    done += L::COUNT;
                 }
             });
-            return;
         }
         let mut rays = [Ray::<L, K>::dark(); BLOCK];
-        for start in (0..count).step_by(BLOCK * L::COUNT) {
+        for start in (done..count).step_by(BLOCK * L::COUNT) {
             let end = count.min(start + BLOCK * L::COUNT);
             let vectors = (end - start).div_ceil(L::COUNT);
             block(chain, wi, wo, &mut rays[..vectors], start, end);
@@ -211,26 +203,11 @@ fn block<L: Lanes, const K: usize>(
     start: usize,
     end: usize,
 ) {
-    // Rays begin in the loop of the first reflection, most often: a pass over the block less.
-    let stages = if let [Stage::Reflect { lobe, surface }, rest @ ..] = chain.stages.as_slice() {
-        with_surface!(surface, fresnel => {
-            let (lobe, fresnel) = (*lobe, *fresnel);
-            for i in 0..rays.len() {
-                let (wi, wo) = pair(wi, wo, start + i * L::COUNT, end);
-                let mut ray = Ray::new(wi, wo);
-                lobe.reflect(&mut ray, &fresnel);
-                rays[i] = ray;
-            }
-        });
-        rest
-    } else {
-        for i in 0..rays.len() {
-            let (wi, wo) = pair(wi, wo, start + i * L::COUNT, end);
-            rays[i] = Ray::new(wi, wo);
-        }
-        chain.stages.as_slice()
-    };
-    for stage in stages {
+    for i in 0..rays.len() {
+        let (wi, wo) = pair(wi, wo, start + i * L::COUNT, end);
+        rays[i] = Ray::new(wi, wo);
+    }
+    for stage in &chain.stages {
         match stage {
             Stage::Reflect { lobe, surface } => with_surface!(surface, fresnel => {
                 let (lobe, fresnel) = (*lobe, *fresnel);
