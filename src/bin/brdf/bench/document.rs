@@ -18,12 +18,20 @@ pub(crate) struct Options {
     /// Only the adapters whose name or backend contains these words; see `brdf list`.
     #[arg(long, conflicts_with = "cpu_only")]
     adapter: Option<String>,
+    /// Another section: its title, and the file that a command's output was written to.
+    #[arg(long, value_name = "TITLE=FILE", value_parser = record)]
+    record: Vec<(String, PathBuf)>,
     /// Leave the adapters out.
     #[arg(long)]
     cpu_only: bool,
     /// Short measurements, too short to quote.
     #[arg(long)]
     quick: bool,
+}
+
+fn record(text: &str) -> Result<(String, PathBuf), String> {
+    let (title, file) = text.split_once('=').ok_or("write TITLE=FILE")?;
+    Ok((title.to_owned(), PathBuf::from(file)))
 }
 
 /// All that the sections are written from.
@@ -37,7 +45,12 @@ struct Measurements {
 const SECTIONS: [fn(&Measurements) -> String; 3] = [machine, families, limit];
 
 pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
-    let Options { out, adapter, cpu_only, quick } = options;
+    let Options { out, adapter, cpu_only, quick, record } = options;
+    let mut records = String::new();
+    for (title, file) in record {
+        let output = std::fs::read_to_string(file).map_err(|error| format!("{}: {error}", file.display()))?;
+        records += &format!("\n## {title}\n\n```text\n{}\n```\n", output.trim_end());
+    }
     let machine = Machine::measure(*quick)?;
     let terms = terms::measure(&[], &Adapters::named(adapter.as_deref(), *cpu_only), *quick)?;
     let limit = terms::limit::against(&terms, &machine);
@@ -46,7 +59,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
     let folder = out.parent().unwrap_or(Path::new("")).join("img");
     terms::draw(&measurements.terms, &folder)?;
     let sections: Vec<_> = SECTIONS.iter().map(|section| section(&measurements)).collect();
-    let text = format!("{}\n{}", head(&measurements, *quick), sections.join("\n"));
+    let text = format!("{}\n{}{records}", head(&measurements, *quick), sections.join("\n"));
     std::fs::write(out, text).map_err(|error| format!("{}: {error}", out.display()))?;
     Ok(ExitCode::SUCCESS)
 }
@@ -66,8 +79,8 @@ fn head(measurements: &Measurements, quick: bool) -> String {
 
 # Performance
 
-What each variant costs and how far it is off, measured by `cargo run --release --features cli -- bench document`. Compare
-within this page; on another machine, and on one that other work kept busy, run the command again.
+What each variant costs and how far it is off, measured by `benches/measure`, which runs `brdf bench document` and what it
+records. Compare within this page; on another machine, and on one that other work kept busy, run it again.
 
 | | |
 |---|---|
