@@ -1,5 +1,5 @@
-//! The choice of vector instructions, made when the program runs. The only unsafe code of the crate: calls of functions that
-//! were compiled for instructions which [`Level`] has found on this processor.
+//! The choice of vector instructions, made when the program runs. Unsafe here, and in `lanes` and `x86` beside it and nowhere
+//! else in the crate, are calls of functions that were compiled for instructions which [`Level`] has found on this processor.
 #![allow(unsafe_code)]
 
 use super::Kernel;
@@ -13,7 +13,7 @@ pub struct Level(Set);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 enum Set {
-    /// What the crate was compiled for: SSE2 on x86-64, NEON on AArch64.
+    /// SSE2 on x86-64; elsewhere one number at a time, as the compiler makes it.
     Baseline,
     #[cfg(all(feature = "std", target_arch = "x86_64"))]
     Avx2,
