@@ -217,18 +217,7 @@ fn climb(
 }
 
 fn finding(subject: &dyn Subject, albedo: Option<&Albedo>, fixed: Fixed) -> Finding {
-    let mut finding = Finding {
-        check: Check::Energy,
-        single: false,
-        verdict: Verdict::Inconclusive,
-        binding: true,
-        value: 0.0,
-        error: 0.0,
-        limit: 1.0 + TOLERANCE,
-        place: Place::Everywhere,
-        channel: None,
-        note: String::new(),
-    };
+    let mut finding = Finding { limit: 1.0 + TOLERANCE, ..Finding::new(Check::Energy) };
     let Some(albedo) = albedo.filter(|albedo| !albedo.value.is_empty()) else {
         finding.note = "nothing to integrate".into();
         return finding;

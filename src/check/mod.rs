@@ -30,6 +30,7 @@ mod chart;
 mod corpus;
 mod crosscheck;
 pub mod energy;
+pub mod family;
 mod lobes;
 mod marginals;
 pub mod pairs;
@@ -42,10 +43,11 @@ pub mod subject;
 pub mod verdict;
 
 pub use energy::{Albedo, Effort, albedo};
+pub use family::{Family, Parameter, Scale};
 pub use marginals::THETAS;
 pub use report::{Check, Coverage, Finding, Place, Report};
 pub use stack::StackSubject;
-pub use subject::{Fixed, FromFn, Subject, from_fn};
+pub use subject::{Fixed, FromFn, Sample, Subject, from_fn};
 pub use verdict::{TOLERANCE, Verdict};
 
 use pairs::Class;
@@ -142,6 +144,14 @@ pub fn check(subject: &dyn Subject, options: &Options<'_>) -> Report {
         }
     }
     report
+}
+
+/// Puts the members of a family through every check, and reports the worst member that was found for each.
+///
+/// A family without parameters is checked as its one member.
+pub fn check_family(family: &dyn Family, options: &Options<'_>) -> Report {
+    let defaults: Vec<f64> = family.parameters().iter().map(|parameter| parameter.default).collect();
+    check(&*family.subject(&defaults), options)
 }
 
 /// Shares the budget out over the integrals.

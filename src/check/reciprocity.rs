@@ -140,16 +140,13 @@ pub fn reciprocity(subject: &dyn Subject, samples: usize, seed: u32) -> (Finding
         note = format!("up to {rounding_only:.1e} where rounding of the directions explains it");
     }
     let finding = Finding {
-        check: Check::Reciprocity,
-        single: false,
         verdict,
-        binding: true,
         value,
-        error: 0.0,
         limit: TOLERANCE,
         place: if value > 0.0 { Place::Pair { wi, wo } } else { Place::Everywhere },
         channel: (value > 0.0).then(|| (channel, subject.channel_name(channel))),
         note,
+        ..Finding::new(Check::Reciprocity)
     };
     (finding, [comparison.evaluations, samples * Class::ALL.len(), RESTARTS])
 }

@@ -84,8 +84,49 @@ pub struct Finding {
     pub place: Place,
     /// The channel, and its name.
     pub channel: Option<(usize, String)>,
-    /// What else a reader should know: counts, likely causes.
+    /// What else a reader should know: counts.
     pub note: String,
+    /// The parameters of the member that it was found in, by name; empty where nothing was searched.
+    pub parameters: Vec<(String, f64)>,
+    /// f at [`Finding::place`], where that is a pair of directions.
+    pub values: Option<Values>,
+    /// What is likely wrong, in words that say what to change; empty where nothing is known.
+    pub cause: String,
+    /// The command that shows the finding again; empty where nobody filled it in.
+    pub again: String,
+}
+
+/// f of every channel at one pair of directions, by what computed it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Values {
+    /// In double precision.
+    pub double: Vec<f64>,
+    /// In single precision; empty where the subject has none.
+    pub single: Vec<f64>,
+    /// On an adapter; empty where none ran it.
+    pub gpu: Vec<f64>,
+}
+
+impl Finding {
+    /// A finding to be filled in: inconclusive, binding, in double precision, everywhere.
+    pub fn new(check: Check) -> Self {
+        Finding {
+            check,
+            single: false,
+            verdict: Verdict::Inconclusive,
+            binding: true,
+            value: 0.0,
+            error: 0.0,
+            limit: 0.0,
+            place: Place::Everywhere,
+            channel: None,
+            note: String::new(),
+            parameters: Vec::new(),
+            values: None,
+            cause: String::new(),
+            again: String::new(),
+        }
+    }
 }
 
 /// What was looked at, so that a pass can be read for what it is.
@@ -182,6 +223,7 @@ impl Finding {
         }
     }
 
+    /// Where: angles, parameters, channel.
     fn located(&self) -> String {
         let channel = self.channel.as_ref().map_or("", |(_, name)| name);
         let separator = if channel.is_empty() { "" } else { ", " };
@@ -265,8 +307,6 @@ mod tests {
 
     fn finding(check: Check, verdict: Verdict, binding: bool) -> Finding {
         Finding {
-            check,
-            single: false,
             verdict,
             binding,
             value: 1.249,
@@ -274,7 +314,7 @@ mod tests {
             limit: 1.001,
             place: Place::Marginal { theta: 80.0, phi: 0.0, fixed: Fixed::Light },
             channel: Some((0, "r".into())),
-            note: String::new(),
+            ..Finding::new(check)
         }
     }
 

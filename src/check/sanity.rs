@@ -117,16 +117,14 @@ fn defect(subject: &dyn Subject, check: Check, single: bool, tally: &Tally, pass
         ),
     };
     Finding {
-        check,
         single,
         verdict: if tally.total > 0 { Verdict::Fail } else { Verdict::Pass },
-        binding: true,
         value,
-        error: 0.0,
         limit: if check == Check::Sign { -NEGATIVE[usize::from(single)] } else { 0.0 },
         place,
         channel,
         note: tally.classes(samples),
+        ..Finding::new(check)
     }
 }
 
@@ -158,16 +156,13 @@ fn horizon(subject: &dyn Subject, samples: usize, seed: u32, evaluations: &mut u
     let notes: Vec<String> =
         [&broken, &lit].into_iter().filter(|tally| tally.total > 0).map(|tally| tally.classes(samples)).collect();
     Some(Finding {
-        check: Check::Horizon,
-        single: false,
         verdict: Verdict::Pass,
         binding: false,
         value: (broken.total + lit.total) as f64,
-        error: 0.0,
-        limit: 0.0,
         place: Place::Pair { wi, wo },
         channel: Some((channel, subject.channel_name(channel))),
         note: format!("{} below the horizon: guard the call by both cosines > 0", notes.join(", ")),
+        ..Finding::new(Check::Horizon)
     })
 }
 
@@ -205,16 +200,15 @@ pub fn precision(subject: &dyn Subject, samples: usize, seed: u32) -> Option<Fin
     let median = deviations.get(deviations.len() / 2).copied().unwrap_or(0.0);
     let (value, channel, pair) = worst;
     Some(Finding {
-        check: Check::Precision,
         single: true,
         verdict: Verdict::Pass,
         binding: false,
         value,
-        error: 0.0,
         limit: f64::INFINITY,
         place: pair.map_or(Place::Everywhere, |(wi, wo)| Place::Pair { wi, wo }),
         channel: Some((channel, subject.channel_name(channel))),
         note: format!("worst relative deviation from f64, median {median:.1e}"),
+        ..Finding::new(Check::Precision)
     })
 }
 

@@ -157,16 +157,13 @@ fn twin_finding(comparison: &Comparison, gpu: &Gpu) -> Finding {
         _ => format!("99.9 % within {:.1e} relative", comparison.p999_relative),
     };
     Finding {
-        check: Check::Twin,
         single: true,
         verdict: if comparison.agrees() { Verdict::Pass } else { Verdict::Fail },
-        binding: true,
         value: comparison.share,
-        error: 0.0,
         limit: 1.0,
         place: if comparison.agrees() { Place::Everywhere } else { Place::Pair { wi: input("wi"), wo: input("wo") } },
-        channel: None,
         note,
+        ..Finding::new(Check::Twin)
     }
 }
 
