@@ -33,6 +33,7 @@ pub mod energy;
 pub mod family;
 mod lobes;
 mod marginals;
+pub mod output;
 pub mod pairs;
 mod quadrature;
 pub mod reciprocity;

@@ -26,6 +26,10 @@ pub enum Check {
 }
 
 impl Check {
+    /// Every check.
+    pub const ALL: [Check; 7] =
+        [Check::Energy, Check::Reciprocity, Check::Finite, Check::Sign, Check::Horizon, Check::Precision, Check::Twin];
+
     /// The name in the table.
     pub const fn name(self) -> &'static str {
         match self {
@@ -74,6 +78,8 @@ pub struct Finding {
     pub verdict: Verdict,
     /// Whether the outcome counts in [`Report::verdict`]. An advisory finding does not.
     pub binding: bool,
+    /// Whether a baseline knows of it: an accepted finding does not count either.
+    pub accepted: bool,
     /// The worst value: an albedo, a relative difference, a count of non-finite samples, the least f.
     pub value: f64,
     /// What the value may be wrong by; 0 where it is exact.
@@ -115,6 +121,7 @@ impl Finding {
             single: false,
             verdict: Verdict::Inconclusive,
             binding: true,
+            accepted: false,
             value: 0.0,
             error: 0.0,
             limit: 0.0,
@@ -164,10 +171,16 @@ pub struct Report {
 }
 
 impl Report {
-    /// The worst verdict of the binding findings; inconclusive if there are none.
+    /// The worst verdict of the binding findings, accepted ones taken as passes; inconclusive if there are none.
     pub fn verdict(&self) -> Verdict {
         let binding = self.findings.iter().filter(|finding| finding.binding);
-        binding.map(|finding| finding.verdict).max().unwrap_or(Verdict::Inconclusive)
+        let verdict = |finding: &Finding| if finding.accepted { Verdict::Pass } else { finding.verdict };
+        binding.map(verdict).max().unwrap_or(Verdict::Inconclusive)
+    }
+
+    /// The report as [`Display`] writes it, verdicts in the colours of a terminal.
+    pub fn coloured(&self) -> impl Display + '_ {
+        Table { report: self, colour: true }
     }
 
     /// Writes the albedos of one marginal, polar angles across and channels down, in the azimuth of the tangent.
@@ -199,7 +212,7 @@ impl Report {
 }
 
 impl Finding {
-    fn title(&self) -> String {
+    pub(super) fn title(&self) -> String {
         format!("{}{}", self.check.name(), if self.single { " f32" } else { "" })
     }
 
@@ -207,11 +220,12 @@ impl Finding {
         match (self.binding, self.check) {
             (false, Check::Horizon | Check::Precision) => "note".into(),
             (false, _) if self.verdict != Verdict::Pass => format!("({})", self.verdict),
+            _ if self.accepted => format!("{}, accepted", self.verdict),
             _ => self.verdict.to_string(),
         }
     }
 
-    fn measured(&self) -> String {
+    pub(super) fn measured(&self) -> String {
         match self.check {
             // Rounded up: an error of 0 is never claimed.
             Check::Energy => format!("{:.4} ± {:.4}", self.value, (self.error * 1e4).ceil().max(1.0) * 1e-4),
@@ -223,19 +237,62 @@ impl Finding {
         }
     }
 
+    /// The verdict and the value, without where.
+    pub(super) fn verdict_and_value(&self) -> String {
+        format!("{} {}", self.verdict, self.measured())
+    }
+
     /// Where: angles, parameters, channel.
-    fn located(&self) -> String {
-        let channel = self.channel.as_ref().map_or("", |(_, name)| name);
-        let separator = if channel.is_empty() { "" } else { ", " };
+    pub(super) fn located(&self) -> String {
+        let mut words: Vec<String> = Vec::new();
+        let mut fixed_direction = String::new();
         match self.place {
-            Place::Everywhere => String::new(),
+            Place::Everywhere => {}
             Place::Marginal { theta, phi, fixed } => {
                 let azimuth = if phi == 0.0 { String::new() } else { format!(" φ={phi}°") };
-                format!("at θ={theta}°{azimuth}{separator}{channel} [{} fixed]", fixed.name())
+                words.push(format!("θ={theta}°{azimuth}"));
+                fixed_direction = format!(" [{} fixed]", fixed.name());
             }
-            Place::Pair { wi, wo } => format!("at wi={} wo={}{separator}{channel}", angles(wi), angles(wo)),
+            Place::Pair { wi, wo } => words.push(format!("wi={} wo={}", angles(wi), angles(wo))),
         }
+        words.extend(self.parameters.iter().map(|(name, value)| format!("{name}={value}")));
+        words.extend(self.channel.iter().map(|(_, name)| name.clone()).filter(|name| !name.is_empty()));
+        if words.is_empty() { fixed_direction } else { format!("at {}{fixed_direction}", words.join(", ")) }
     }
+
+    /// Whether it is told at length: what it takes to see it again, and why it is so.
+    pub(super) fn is_told(&self) -> bool {
+        self.binding && !self.accepted && self.verdict != Verdict::Pass
+    }
+
+    /// The counterexample, the likely cause, the command that shows it again: a title and a text each, where they are known.
+    pub(super) fn details(&self) -> Vec<(&'static str, String)> {
+        let mut lines = Vec::new();
+        if let Place::Pair { wi, wo } = self.place {
+            lines.push(("wi", components(wi)));
+            lines.push(("wo", components(wo)));
+        }
+        if let Some(values) = &self.values {
+            for (title, f) in
+                [("f in f64", &values.double), ("f in f32", &values.single), ("f on the GPU", &values.gpu)]
+            {
+                if !f.is_empty() {
+                    lines.push((title, f.iter().map(|f| format!("{f}")).collect::<Vec<_>>().join(", ")));
+                }
+            }
+        }
+        if !self.cause.is_empty() {
+            lines.push(("cause", format!("likely {}", self.cause)));
+        }
+        if !self.again.is_empty() {
+            lines.push(("again", self.again.clone()));
+        }
+        lines
+    }
+}
+
+fn components(v: Vector<f64>) -> String {
+    format!("({}, {}, {})", v.x, v.y, v.z)
 }
 
 /// Polar angle and azimuth in degrees. Grazing angles keep what tells them from 90°.
@@ -261,26 +318,58 @@ impl Display for Finding {
 
 impl Display for Report {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}: {}", self.subject, self.verdict())?;
-        let rows: Vec<[String; 4]> = self
+        Table { report: self, colour: false }.fmt(f)
+    }
+}
+
+/// A report as a table, in colour or plain.
+struct Table<'a> {
+    report: &'a Report,
+    colour: bool,
+}
+
+impl Table<'_> {
+    /// The escape sequences around a verdict.
+    fn paint(&self, verdict: Verdict, counts: bool) -> [&'static str; 2] {
+        match (self.colour, verdict) {
+            (false, _) => ["", ""],
+            (true, _) if !counts => ["\x1b[2m", "\x1b[0m"],
+            (true, Verdict::Pass) => ["\x1b[32m", "\x1b[0m"],
+            (true, Verdict::Inconclusive) => ["\x1b[33m", "\x1b[0m"],
+            (true, Verdict::Fail) => ["\x1b[1;31m", "\x1b[0m"],
+        }
+    }
+}
+
+impl Display for Table<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let report = self.report;
+        let [on, off] = self.paint(report.verdict(), true);
+        writeln!(f, "{}: {on}{}{off}", report.subject, report.verdict())?;
+        let rows: Vec<[String; 4]> = report
             .findings
             .iter()
             .map(|finding| [finding.title(), finding.outcome(), finding.measured(), finding.located()])
             .collect();
         let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
         let widths = [0, 1, 2, 3].map(width);
-        for (row, finding) in rows.iter().zip(&self.findings) {
+        for (row, finding) in rows.iter().zip(&report.findings) {
+            let [on, off] = self.paint(finding.verdict, finding.binding && !finding.accepted);
             let mut line = String::from(" ");
-            for (cell, width) in row.iter().zip(widths) {
-                line.push_str(&format!(" {cell:width$} "));
+            for (column, (cell, width)) in row.iter().zip(widths).enumerate() {
+                let [on, off] = if column == 1 { [on, off] } else { ["", ""] };
+                line.push_str(&format!(" {on}{cell:width$}{off} "));
             }
             line.push_str(&finding.note);
             writeln!(f, "{}", line.trim_end())?;
+            for (title, text) in finding.details().iter().filter(|_| finding.is_told()) {
+                writeln!(f, "      {:14}{text}", format!("{title}:"))?;
+            }
         }
         for fixed in [Fixed::View, Fixed::Light] {
-            self.write_albedos(f, fixed)?;
+            report.write_albedos(f, fixed)?;
         }
-        write!(f, "{}", self.coverage)
+        write!(f, "{}", report.coverage)
     }
 }
 
@@ -322,6 +411,37 @@ mod tests {
     fn a_line_says_what_and_where() {
         let line = finding(Check::Energy, Verdict::Fail, true).to_string();
         assert_eq!(line, "ENERGY FAIL 1.2490 ± 0.0004 at θ=80°, r [light fixed]");
+    }
+
+    #[test]
+    fn parameters_stand_beside_the_angle_and_the_command_below() {
+        let found = Finding {
+            parameters: vec![("roughness".into(), 0.3)],
+            channel: None,
+            cause: "the view alone is normalised".into(),
+            again: "brdf check x.wgsl --at theta=80,phi=0,light".into(),
+            values: Some(Values { double: vec![0.25], single: vec![0.5], gpu: Vec::new() }),
+            ..finding(Check::Energy, Verdict::Fail, true)
+        };
+        assert_eq!(found.to_string(), "ENERGY FAIL 1.2490 ± 0.0004 at θ=80°, roughness=0.3 [light fixed]");
+        let report = |finding: Finding| Report {
+            subject: "s".into(),
+            channel_names: Vec::new(),
+            findings: vec![finding],
+            albedos: Vec::new(),
+            coverage: Coverage::default(),
+        };
+        let text = report(found.clone()).to_string();
+        for line in ["cause:        likely the view alone", "again:        brdf check x.wgsl", "f in f32:     0.5"] {
+            assert!(text.contains(line), "{line} in\n{text}");
+        }
+        assert!(
+            !text.contains('\x1b') && report(found.clone()).coloured().to_string().contains("\x1b[1;31mFAIL\x1b[0m")
+        );
+        let accepted = report(Finding { accepted: true, ..found });
+        assert_eq!(accepted.verdict(), Verdict::Pass);
+        let text = accepted.to_string();
+        assert!(text.contains("FAIL, accepted") && !text.contains("again:"), "{text}");
     }
 
     #[test]
