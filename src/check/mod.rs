@@ -65,6 +65,20 @@ pub enum Profile {
     Term,
 }
 
+impl Profile {
+    /// Every profile.
+    pub const ALL: [Profile; 3] = [Profile::Strict, Profile::Realtime, Profile::Term];
+
+    /// The name on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Profile::Strict => "strict",
+            Profile::Realtime => "realtime",
+            Profile::Term => "term",
+        }
+    }
+}
+
 /// How to check.
 #[derive(Clone, Copy)]
 pub struct Options<'a> {

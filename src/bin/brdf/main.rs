@@ -6,6 +6,7 @@ mod eval;
 mod failure;
 mod list;
 mod material;
+mod merge;
 mod parity;
 mod plan;
 mod plot;
@@ -29,8 +30,10 @@ enum Command {
     List(list::Options),
     /// Evaluate terms and stacks: JSON Lines in, the same objects with the results out.
     Eval(eval::Options),
-    /// Judge the physical plausibility of the built-in materials or of stack files.
+    /// Judge physical plausibility: built-in materials, stack files, shaders, measured BRDFs, folders of them.
     Check(check::Options),
+    /// Put the reports of the shards of one check together.
+    Merge(merge::Options),
     /// Compare the WGSL twins with the Rust functions on every adapter.
     Parity(parity::Options),
     /// Measure run time against error.
@@ -48,6 +51,7 @@ fn main() -> ExitCode {
         Command::List(options) => list::run(&options),
         Command::Eval(options) => eval::run(&options),
         Command::Check(options) => check::run(&options),
+        Command::Merge(options) => merge::run(&options),
         Command::Parity(options) => parity::run(&options),
         Command::Bench(options) => bench::run(&options),
         Command::Shader(options) => shader::run(&options),

@@ -235,11 +235,11 @@ impl std::error::Error for OutputError {}
 
 #[cfg(test)]
 pub(super) mod tests {
+    use super::super::Albedo;
     use super::super::report::{Check, Coverage, Finding, Place, Values};
     use super::super::subject::Fixed;
-    use super::super::Albedo;
-    use crate::frame::Vector;
     use super::*;
+    use crate::frame::Vector;
 
     /// A report with a finding of every shape that JSON must carry.
     pub(in super::super) fn report(name: &str, verdict: Verdict) -> Report {

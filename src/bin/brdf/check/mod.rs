@@ -1,50 +1,99 @@
-//! `brdf check`: the judge over the built-in materials or a user's stacks.
+//! `brdf check`: the judge over built-in materials, stack files, and what else can be read.
+
+mod again;
+mod place;
+pub(crate) mod subjects;
+pub(crate) mod terminal;
+mod twins;
 
 use crate::failure::Failure;
-use crate::material::{self, AnyStack, Change, Material};
-use brdf::check::{self, Check, Finding, Fixed, Place, Report, StackSubject, Subject, Verdict};
-use brdf::gpu::Gpu;
-use brdf::layered::{Model, Widths};
-use brdf::parity::{Comparison, compare_stack, stack_twin};
+use brdf::check::output::{Entry, Figures, Outcome, Run, Shard};
+use brdf::check::{self, Finding, Report, Verdict};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use serde_json::{Value, json};
 use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use subjects::{Loaded, Reading, Source};
+use twins::Twins;
 
 /// What `brdf check` is asked for.
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Built-in materials or stack files; without any, every built-in material.
-    stacks: Vec<String>,
-    /// The model to judge the stacks under, in place of their own.
-    #[arg(long, value_parser = material::model)]
-    model: Option<Model>,
-    /// How wide covered interfaces are taken, in place of the stacks' own rule.
-    #[arg(long, value_parser = material::widths)]
-    widths: Option<Widths>,
+    #[command(flatten)]
+    reading: Reading,
+    /// Which findings count: strict (all), realtime (reciprocity and the light's energy advise), measured, term (finite and
+    /// not negative alone).
+    #[arg(long, value_parser = profile)]
+    profile: Option<check::Profile>,
     /// Seed of every random choice.
     #[arg(long, default_value_t = 1)]
     seed: u32,
-    /// Evaluations per material to aim for.
+    /// Evaluations per subject to aim for.
     #[arg(long, default_value_t = check::Options::default().budget, value_parser = parse_budget)]
     budget: usize,
-    /// Judge on the CPU alone, without the twins.
+    /// Judge part K of N of the subjects, whose JSON `brdf merge` puts together.
+    #[arg(long, value_name = "K/N", value_parser = shard)]
+    shard: Option<Shard>,
+    /// A JSON report whose findings are known: they are accepted, new and worse ones are not.
+    #[arg(long, value_name = "FILE")]
+    baseline: Option<PathBuf>,
+    /// See one place again: `theta=80,phi=0,light` integrates the albedo, `wi=X:Y:Z,wo=X:Y:Z` evaluates f.
+    #[arg(long, value_parser = place::At::parse, conflicts_with_all = ["shard", "baseline", "json", "junit", "html"])]
+    at: Option<place::At>,
+    /// Judge on the CPU alone.
     #[arg(long)]
     no_twins: bool,
-    /// The adapter that runs the twins, by words of its name or backend; without it the best.
+    /// The adapter that runs twins and shaders, by words of its name or backend; without it the best.
     #[arg(long, conflicts_with = "no_twins")]
     adapter: Option<String>,
-    /// Print every finding of every material.
+    /// Print every finding of every subject.
     #[arg(long, short)]
     verbose: bool,
-    /// Print JSON.
+    /// Print JSON (docs/report.md).
     #[arg(long)]
     json: bool,
+    /// Put the samples that pictures are drawn from into the JSON, for the page that `brdf merge --html` writes.
+    #[arg(long, requires = "json")]
+    figures: bool,
+    #[command(flatten)]
+    files: Files,
 }
 
-/// Pairs of directions that a twin is compared on.
-const TWIN_SAMPLES: usize = 4_000;
+/// The files that a report is written to.
+#[derive(Args)]
+pub(crate) struct Files {
+    /// Write JUnit XML here.
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+    /// Write an HTML page with pictures here.
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
+}
+
+impl Files {
+    /// Writes what was asked for.
+    pub(crate) fn write(&self, run: &Run) -> Result<(), Failure> {
+        if let Some(path) = &self.junit {
+            write(path, &run.to_junit())?;
+        }
+        if let Some(path) = &self.html {
+            write(path, &run.to_html())?;
+        }
+        Ok(())
+    }
+}
+
+fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    std::fs::write(path, text).map_err(|error| format!("{}: {error}", path.display()).into())
+}
+
+/// Reads a JSON report.
+pub(crate) fn read_run(path: &Path) -> Result<Run, Failure> {
+    let at = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+    let text = std::fs::read_to_string(path).map_err(|error| at(&error))?;
+    Ok(Run::from_json(&text).map_err(|error| at(&error))?)
+}
 
 fn parse_budget(text: &str) -> Result<usize, String> {
     match text.parse() {
@@ -53,179 +102,108 @@ fn parse_budget(text: &str) -> Result<usize, String> {
     }
 }
 
-pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
-    let change = Change { model: options.model, widths: options.widths };
-    let materials = if options.stacks.is_empty() {
-        let judged = |m: Material| Material { stack: m.stack.changed(change), ..m };
-        material::built_in().into_iter().map(judged).collect()
-    } else {
-        // Every file is read before the first is judged: bad input stops the command early.
-        let load = |name: &String| material::load(name, change);
-        options.stacks.iter().map(load).collect::<Result<Vec<_>, _>>()?
-    };
-    if let Some(noisy) = materials.iter().find(|material| material.stack.model() == Model::Walk) {
-        let problem = "the walk's f is a mean of random numbers, whose noise would be judged in place of the stack";
-        return Err(format!("{}: {problem}; use --model coupled, or `brdf bench layered`", noisy.name).into());
-    }
-    let (gpu, twins) = twins(options)?;
+fn profile(name: &str) -> Result<check::Profile, String> {
+    let found = check::Profile::ALL.into_iter().find(|profile| profile.name() == name);
+    found.ok_or_else(|| {
+        format!("`{name}` is no profile; there are {}", check::Profile::ALL.map(check::Profile::name).join(", "))
+    })
+}
 
+fn shard(text: &str) -> Result<Shard, String> {
+    Shard::parse(text).map_err(|error| error.to_string())
+}
+
+pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
+    let sources = options.reading.sources()?;
+    let baseline = options.baseline.as_deref().map(read_run).transpose()?;
+    let twins = Twins::open(options.no_twins, options.adapter.as_deref())?;
+    if let Some(at) = &options.at {
+        return see(options, &sources, at, &twins);
+    }
+    let total = sources.len();
+    let mut run = Run { total, shard: options.shard, twins: twins.about.clone(), ..Run::new() };
+    let held = |index: &usize| options.shard.is_none_or(|shard| shard.holds(*index));
     let progress = ProgressBar::new(0);
     let style = ProgressStyle::with_template("{bar:30} {percent}% {msg}").unwrap_or(ProgressStyle::default_bar());
     progress.set_style(style);
-    let mut reports = Vec::new();
-    for (index, material) in materials.iter().enumerate() {
-        progress.set_message(format!("{} ({} of {})", material.name, index + 1, materials.len()));
-        let mut report = match &material.stack {
-            AnyStack::One(stack) => judge(&StackSubject::new(&material.name, stack.clone()), options, &progress),
-            AnyStack::Three(stack) => judge(&StackSubject::new(&material.name, stack.clone()), options, &progress),
+    for (index, source) in sources.iter().enumerate().filter(|(index, _)| held(index)) {
+        progress.set_message(format!("{} ({} of {total})", source.name(), index + 1));
+        let entry = match options.reading.load(source) {
+            Ok(loaded) => match judge(options, source, &loaded, &twins, &progress)? {
+                Ok(outcome) => Entry { index, source: source.name().to_owned(), kind: loaded.kind, outcome },
+                Err(reason) => Entry::refused(index, source.name(), loaded.kind, reason),
+            },
+            Err(reason) => Entry::refused(index, source.name(), source.kind(), reason),
         };
-        let has_twin = stack_twin(material.stack.model()).is_some();
-        if let Some(gpu) = gpu.as_ref().filter(|_| has_twin) {
-            let comparison = compare_stack(gpu, &material.stack.three_single(), TWIN_SAMPLES)?;
-            report.findings.push(twin_finding(&comparison, gpu));
-        }
-        reports.push(report);
+        run.entries.push(entry);
     }
     progress.finish_and_clear();
 
-    let verdict = reports.iter().map(Report::verdict).max().unwrap_or(Verdict::Inconclusive);
+    let acceptance = baseline.map(|baseline| run.accept(&baseline));
+    options.files.write(&run)?;
     let mut out = io::stdout().lock();
     if options.json {
-        let models: Vec<_> = materials.iter().map(|material| material.stack.model().name()).collect();
-        writeln!(out, "{:#}", as_json(&reports, &models, verdict, &twins))?;
+        out.write_all(run.to_json().as_bytes())?;
     } else {
-        for (report, material) in reports.iter().zip(&materials) {
-            print(&mut out, report, material.stack.model(), options.verbose)?;
-        }
-        let count = |wanted| reports.iter().filter(|report| report.verdict() == wanted).count();
-        let (failed, open) = (count(Verdict::Fail), count(Verdict::Inconclusive));
-        writeln!(out, "twins: {twins}")?;
-        writeln!(out, "{}: {} judged, {failed} violate, {open} inconclusive", verdict.name(), reports.len())?;
+        terminal::print(&mut out, &run, options.verbose, acceptance.as_ref())?;
     }
-    Ok(ExitCode::from(verdict.exit_code()))
+    out.flush()?;
+    for (_, reason) in run.refused() {
+        eprintln!("brdf: {reason}");
+    }
+    Ok(ExitCode::from(run.exit_code()))
 }
 
-/// The adapter that runs the twins, and a line about it.
-fn twins(options: &Options) -> Result<(Option<Gpu>, String), Failure> {
-    if options.no_twins {
-        return Ok((None, "not run (--no-twins)".to_owned()));
-    }
-    match Gpu::open(options.adapter.as_deref()) {
-        Ok(gpu) => {
-            let about = gpu.info().to_string();
-            Ok((Some(gpu), about))
-        }
-        Err(error) if options.adapter.is_some() => Err(error.into()),
-        Err(error) => Ok((None, format!("not run: {error}"))),
-    }
-}
-
-fn judge(subject: &dyn Subject, options: &Options, progress: &ProgressBar) -> Report {
+/// The report of one subject, or why it could not be evaluated.
+fn judge(
+    options: &Options,
+    source: &Source,
+    loaded: &Loaded,
+    twins: &Twins,
+    progress: &ProgressBar,
+) -> Result<Result<Outcome, String>, Failure> {
     let follow = |done: usize, total: usize| {
         progress.set_length(total as u64);
         progress.set_position(done as u64);
     };
-    let options = check::Options {
+    let settings = check::Options {
         seed: options.seed,
         budget: options.budget,
+        profile: options.profile.or(loaded.profile).unwrap_or_default(),
         progress: Some(&follow),
         ..check::Options::default()
     };
-    check::check(subject, &options)
-}
-
-/// A comparison of twins as a finding.
-fn twin_finding(comparison: &Comparison, gpu: &Gpu) -> Finding {
-    let worst = comparison.worst.as_ref();
-    let input = |direction: &str| {
-        let inputs = worst.map_or(&[][..], |worst| &worst.inputs);
-        let [x, y, z] = ["x", "y", "z"].map(|axis| {
-            let found = inputs.iter().find(|(name, _)| *name == format!("{direction}.{axis}"));
-            found.map_or(0.0, |(_, value)| *value)
-        });
-        brdf::Vector::new(x, y, z)
-    };
-    let note = match worst {
-        Some(worst) if !comparison.agrees() => format!(
-            "{} results outside what WGSL allows on {}; {} is {:e}, want {:e}",
-            comparison.outside,
-            gpu.info(),
-            worst.output,
-            worst.got,
-            worst.want
-        ),
-        _ => format!("99.9 % within {:.1e} relative", comparison.p999_relative),
-    };
-    Finding {
-        single: true,
-        verdict: if comparison.agrees() { Verdict::Pass } else { Verdict::Fail },
-        value: comparison.share,
-        limit: 1.0,
-        place: if comparison.agrees() { Place::Everywhere } else { Place::Pair { wi: input("wi"), wo: input("wo") } },
-        note,
-        ..Finding::new(Check::Twin)
+    let mut report = loaded.judged.check(&settings);
+    if let Some(fault) = loaded.judged.fault() {
+        return Ok(Err(fault));
     }
-}
-
-/// One line for a plausible material; every finding for any other.
-fn print(out: &mut impl Write, report: &Report, model: Model, verbose: bool) -> io::Result<()> {
-    if verbose || report.verdict() != Verdict::Pass {
-        return writeln!(out, "{report}");
+    report.findings.extend(twins.finding(loaded)?);
+    for finding in &mut report.findings {
+        finding.again = again::command(options, source, finding);
     }
-    let albedo = |fixed| {
-        report.energy(fixed).map_or("not judged".to_owned(), |finding| {
-            let theta = if let Place::Marginal { theta, .. } = finding.place { theta } else { 0.0 };
-            format!("{:.4} at {theta}°", finding.value)
-        })
-    };
-    writeln!(
-        out,
-        "{:12} {:28} {:12} albedo ≤ {} [view], {} [light]",
-        report.verdict().name(),
-        report.subject,
-        model.name(),
-        albedo(Fixed::View),
-        albedo(Fixed::Light)
-    )
+    let drawn = options.figures || options.files.html.is_some();
+    let figures = drawn.then(|| Box::new(figures(loaded, &report, twins)));
+    Ok(Ok(Outcome::Judged { report: Box::new(report), figures }))
 }
 
-fn as_json(reports: &[Report], models: &[&str], verdict: Verdict, twins: &str) -> Value {
-    let reports = reports.iter().zip(models).map(|(report, model)| {
-        let coverage = &report.coverage;
-        json!({
-            "subject": report.subject,
-            "model": model,
-            "verdict": report.verdict().name(),
-            "findings": report.findings.iter().map(finding_json).collect::<Vec<_>>(),
-            "albedos": report.albedos.iter().map(|albedo| json!({
-                "theta": albedo.theta, "phi": albedo.phi, "fixed": albedo.fixed.name(),
-                "value": albedo.value, "error": albedo.error,
-            })).collect::<Vec<_>>(),
-            "coverage": {
-                "seed": coverage.seed, "budget": coverage.budget, "evaluations": coverage.evaluations,
-                "integrals": coverage.integrals, "pairs": coverage.pairs, "restarts": coverage.restarts,
-                "anisotropic": coverage.anisotropic,
-            },
-        })
-    });
-    json!({"version": 1, "verdict": verdict.name(), "twins": twins, "reports": reports.collect::<Vec<_>>()})
+/// Samples of the member that the worst finding is about.
+fn figures(loaded: &Loaded, report: &Report, twins: &Twins) -> Figures {
+    let rank = |finding: &&Finding| (finding.binding, finding.verdict, !finding.parameters.is_empty());
+    let worst = report.findings.iter().filter(|finding| finding.verdict != Verdict::Pass).max_by_key(rank);
+    let values = loaded.judged.values(worst.map_or(&[][..], |finding| &finding.parameters));
+    loaded.judged.figures(&values, twins)
 }
 
-fn finding_json(finding: &Finding) -> Value {
-    let place = match finding.place {
-        Place::Everywhere => Value::Null,
-        Place::Marginal { theta, phi, fixed } => json!({"theta": theta, "phi": phi, "fixed": fixed.name()}),
-        Place::Pair { wi, wo } => json!({"wi": [wi.x, wi.y, wi.z], "wo": [wo.x, wo.y, wo.z]}),
+/// Evaluates the one place of `--at`.
+fn see(options: &Options, sources: &[Source], at: &place::At, twins: &Twins) -> Result<ExitCode, Failure> {
+    let [source] = sources else {
+        return Err(format!("--at is about one subject, and {} are given", sources.len()).into());
     };
-    json!({
-        "check": finding.check.name(),
-        "precision": if finding.single { "f32" } else { "f64" },
-        "verdict": finding.verdict.name(),
-        "binding": finding.binding,
-        "value": finding.value, "error": finding.error, "limit": finding.limit,
-        "place": place,
-        "channel": finding.channel.as_ref().map(|(_, name)| name),
-        "note": finding.note,
-        "line": finding.to_string(),
-    })
+    let loaded = options.reading.load(source)?;
+    let values = loaded.judged.values(&[]);
+    let verdict = place::print(&mut io::stdout().lock(), &loaded, &values, at, options.seed, twins)?;
+    if let Some(fault) = loaded.judged.fault() {
+        return Err(fault.into());
+    }
+    Ok(ExitCode::from(verdict.exit_code()))
 }

@@ -1,8 +1,44 @@
-//! What to judge, from the arguments: built-in materials, stack files.
+//! What to judge, from the arguments: built-in materials, files, folders of files.
 
+use super::twins::Twins;
+use crate::failure::Failure;
 use crate::material::{self, AnyStack, Change, Material};
-use brdf::check::{Family, StackSubject, Subject};
-use brdf::layered::Model;
+use brdf::Vector;
+use brdf::check::output::Figures;
+use brdf::check::{self, Family, Profile, Report, StackSubject, Subject};
+use brdf::layered::{Model, Widths};
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// What is judged, and how it is read.
+#[derive(Args)]
+pub(crate) struct Reading {
+    /// Built-in materials, files or folders of files; without any, every built-in material.
+    subjects: Vec<String>,
+    /// The model to judge stacks under, in place of their own.
+    #[arg(long, value_parser = material::model)]
+    pub(super) model: Option<Model>,
+    /// How wide covered interfaces are taken, in place of the stacks' own rule.
+    #[arg(long, value_parser = material::widths)]
+    pub(super) widths: Option<Widths>,
+}
+
+/// Something to judge that has not been read.
+pub(super) struct Source {
+    name: String,
+}
+
+impl Source {
+    /// What the user calls it.
+    pub(super) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What it is taken for before it is read.
+    pub(super) fn kind(&self) -> &'static str {
+        "unread"
+    }
+}
 
 /// A subject that is ready to be judged.
 pub(super) enum Judged {
@@ -20,33 +56,142 @@ pub(super) struct Loaded {
     pub(super) kind: String,
     /// The stack behind it, whose twin can be compared.
     pub(super) stack: Option<AnyStack>,
+    /// The profile that suits it, if that is not the default one.
+    pub(super) profile: Option<Profile>,
 }
 
-/// The stacks that are asked for: by name, or every built-in one.
-pub(super) fn stacks(names: &[String], change: Change) -> Result<Vec<Material>, String> {
-    let materials: Vec<Material> = if names.is_empty() {
-        let judged = |m: Material| Material { stack: m.stack.changed(change), ..m };
-        material::built_in().into_iter().map(judged).collect()
-    } else {
-        // Every file is read before the first is judged: bad input stops the command early.
-        names.iter().map(|name| material::load(name, change)).collect::<Result<_, _>>()?
-    };
-    match materials.iter().find(|material| material.stack.model() == Model::Walk) {
-        None => Ok(materials),
-        Some(noisy) => Err(format!(
-            "{}: the walk's f is a mean of random numbers, whose noise would be judged in place of the stack; use --model \
-             coupled, or `brdf bench layered`",
-            noisy.name
-        )),
+impl Reading {
+    fn change(&self) -> Change {
+        Change { model: self.model, widths: self.widths }
+    }
+
+    /// Everything that is asked for, in order of its name: each shard of a run must count alike.
+    pub(super) fn sources(&self) -> Result<Vec<Source>, Failure> {
+        let mut names: Vec<String> = Vec::new();
+        if self.subjects.is_empty() {
+            names.extend(material::built_in().into_iter().map(|material| material.name));
+        }
+        for subject in &self.subjects {
+            if brdf::material::stack::by_name(subject).is_none() && Path::new(subject).is_dir() {
+                walk(Path::new(subject), &mut names)?;
+            } else {
+                names.push(subject.clone());
+            }
+        }
+        names.sort();
+        names.dedup();
+        Ok(names.into_iter().map(|name| Source { name }).collect())
+    }
+
+    /// The arguments that name a subject, its parameters set.
+    pub(super) fn arguments(&self, source: &Source, _parameters: &[(String, f64)]) -> Vec<String> {
+        let mut words = vec![source.name.clone()];
+        if let Some(model) = self.model {
+            words.extend(["--model".to_owned(), model.name().to_owned()]);
+        }
+        if let Some(widths) = self.widths {
+            words.extend(["--widths".to_owned(), widths.name().to_owned()]);
+        }
+        words
+    }
+
+    /// Reads a subject, or says in one line why it cannot be judged.
+    pub(super) fn load(&self, source: &Source) -> Result<Loaded, String> {
+        let material = material::load(&source.name, self.change())?;
+        if material.stack.model() == Model::Walk {
+            return Err(format!(
+                "{}: the walk's f is a mean of random numbers, whose noise would be judged in place of the stack; use \
+                 --model coupled, or `brdf bench layered`",
+                material.name
+            ));
+        }
+        Ok(from_stack(material))
     }
 }
 
-/// A stack as a subject.
-pub(super) fn from_stack(material: Material) -> Loaded {
+/// Adds the files of a folder, its own folders included.
+fn walk(folder: &Path, names: &mut Vec<String>) -> Result<(), Failure> {
+    let at = |error: std::io::Error| format!("{}: {error}", folder.display());
+    for entry in std::fs::read_dir(folder).map_err(at)? {
+        let path: PathBuf = entry.map_err(at)?.path();
+        let hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+        // A link to a folder can lead back to itself.
+        if hidden || (path.is_symlink() && path.is_dir()) {
+            continue;
+        }
+        if path.is_dir() {
+            walk(&path, names)?;
+        } else {
+            names.push(path.to_string_lossy().into_owned());
+        }
+    }
+    Ok(())
+}
+
+fn from_stack(material: Material) -> Loaded {
     let Material { name, stack } = material;
     let subject: Box<dyn Subject> = match stack.clone() {
         AnyStack::One(stack) => Box::new(StackSubject::new(name, stack)),
         AnyStack::Three(stack) => Box::new(StackSubject::new(name, stack)),
     };
-    Loaded { judged: Judged::Subject(subject), kind: stack.model().name().to_owned(), stack: Some(stack) }
+    let kind = stack.model().name().to_owned();
+    Loaded { judged: Judged::Subject(subject), kind, stack: Some(stack), profile: None }
+}
+
+impl Judged {
+    /// Judges it.
+    pub(super) fn check(&self, options: &check::Options<'_>) -> Report {
+        match self {
+            Judged::Subject(subject) => check::check(&**subject, options),
+            Judged::Family(family) => check::check_family(&**family, options),
+        }
+    }
+
+    /// What went wrong while it was evaluated.
+    pub(super) fn fault(&self) -> Option<String> {
+        None
+    }
+
+    fn family(&self) -> Option<&dyn Family> {
+        match self {
+            Judged::Subject(_) => None,
+            Judged::Family(family) => Some(&**family),
+        }
+    }
+
+    /// The values of the parameters: those named, defaults else.
+    pub(super) fn values(&self, named: &[(String, f64)]) -> Vec<f64> {
+        let parameters = self.family().map_or(&[][..], Family::parameters);
+        let value = |parameter: &check::Parameter| {
+            let found = named.iter().find(|(name, _)| *name == parameter.name);
+            found.map_or(parameter.default, |(_, value)| *value)
+        };
+        parameters.iter().map(value).collect()
+    }
+
+    /// Does something with the member that has these values.
+    pub(super) fn member<T>(&self, values: &[f64], then: impl FnOnce(&dyn Subject) -> T) -> T {
+        match self {
+            Judged::Subject(subject) => then(&**subject),
+            Judged::Family(family) => then(&*family.subject(values)),
+        }
+    }
+
+    /// f of pairs on the adapter, where there is one and the subject runs there.
+    pub(super) fn on_gpu(
+        &self,
+        _values: &[f64],
+        _twins: &Twins,
+        _pairs: &[(Vector<f32>, Vector<f32>)],
+    ) -> Option<Vec<f32>> {
+        None
+    }
+
+    /// What pictures are drawn from.
+    pub(super) fn figures(&self, values: &[f64], _twins: &Twins) -> Figures {
+        match self {
+            Judged::Subject(subject) => Figures::new(&**subject, Vec::new(), None),
+            Judged::Family(family) => Figures::of_family(&**family, values, None),
+        }
+    }
 }

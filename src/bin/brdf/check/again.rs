@@ -1,0 +1,46 @@
+//! The command that shows a finding again.
+
+use super::Options;
+use super::subjects::Source;
+use brdf::check::{Finding, Place};
+
+/// The command line that evaluates the place of a finding; where it has none, the one that repeats the check.
+pub(super) fn command(options: &Options, source: &Source, finding: &Finding) -> String {
+    let mut words = vec!["brdf".to_owned(), "check".to_owned()];
+    words.extend(options.reading.arguments(source, &finding.parameters));
+    words.extend(["--seed".to_owned(), options.seed.to_string()]);
+    match finding.place {
+        Place::Everywhere => {}
+        Place::Marginal { theta, phi, fixed } => {
+            words.extend(["--at".to_owned(), format!("theta={theta},phi={phi},{}", fixed.name())]);
+        }
+        Place::Pair { wi, wo } => {
+            let [wi, wo] = [wi, wo].map(|v| format!("{}:{}:{}", v.x, v.y, v.z));
+            words.extend(["--at".to_owned(), format!("wi={wi},wo={wo}")]);
+        }
+    }
+    words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
+}
+
+/// A word as a shell takes it.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::quoted;
+
+    #[test]
+    fn words_survive_a_shell() {
+        assert_eq!(quoted("a/b.wgsl"), "a/b.wgsl");
+        assert_eq!(quoted("f(vec3, float)"), "'f(vec3, float)'");
+        assert_eq!(quoted("it's"), "'it'\\''s'");
+        assert_eq!(quoted(""), "''");
+    }
+}

@@ -1,0 +1,166 @@
+//! `--at`: one place of one subject, evaluated again.
+
+use super::subjects::Loaded;
+use super::twins::Twins;
+use brdf::Vector;
+use brdf::check::{Effort, Fixed, Subject, TOLERANCE, Verdict, albedo, reciprocity};
+use std::io::{self, Write};
+
+/// A place to see again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum At {
+    /// A fixed direction in degrees, whose albedo is integrated.
+    Marginal { theta: f64, phi: f64, fixed: Fixed },
+    /// A pair of directions.
+    Pair { wi: Vector<f64>, wo: Vector<f64> },
+}
+
+impl At {
+    /// Reads `theta=80,phi=0,light` or `wi=X:Y:Z,wo=X:Y:Z`.
+    pub(super) fn parse(text: &str) -> Result<Self, String> {
+        let wrong = |what: &str| format!("{what}; want theta=80,phi=0,light (or view), or wi=X:Y:Z,wo=X:Y:Z");
+        let (mut theta, mut phi, mut fixed) = (None, 0.0, None);
+        let [mut wi, mut wo] = [None, None];
+        for word in text.split(',') {
+            let number = |value: &str| {
+                let number = value.parse::<f64>().ok().filter(|x| x.is_finite());
+                number.ok_or_else(|| wrong(&format!("`{value}` in `{word}` is no number")))
+            };
+            let vector = |value: &str| {
+                let parts: Vec<f64> = value.split(':').map(number).collect::<Result<_, _>>()?;
+                match parts[..] {
+                    [x, y, z] => Ok(Some(Vector::new(x, y, z))),
+                    _ => Err(wrong(&format!("`{word}` has {} components", parts.len()))),
+                }
+            };
+            match word.split_once('=') {
+                Some(("theta", value)) => {
+                    theta = Some(number(value)?);
+                }
+                Some(("phi", value)) => phi = number(value)?,
+                Some(("wi", value)) => wi = vector(value)?,
+                Some(("wo", value)) => wo = vector(value)?,
+                None if word == "light" => fixed = Some(Fixed::Light),
+                None if word == "view" => fixed = Some(Fixed::View),
+                _ => return Err(wrong(&format!("`{word}` is not understood"))),
+            }
+        }
+        match (theta, fixed, wi, wo) {
+            (Some(theta), Some(fixed), None, None) if (0.0..90.0).contains(&theta) => {
+                Ok(At::Marginal { theta, phi, fixed })
+            }
+            (Some(_), Some(_), None, None) => Err(wrong("theta lies in [0, 90)")),
+            (None, None, Some(wi), Some(wo)) => Ok(At::Pair { wi, wo }),
+            _ => Err(wrong(&format!("`{text}` is no place"))),
+        }
+    }
+}
+
+/// More than a check spends on one direction: this is the only one.
+const EFFORT: Effort = Effort { target: 2e-5, evaluations: 300_000, replicates: 16, samples: 2048, seed: 1 };
+
+/// Evaluates the place and prints what is there; returns the verdict on that alone.
+pub(super) fn print(
+    out: &mut impl Write,
+    loaded: &Loaded,
+    values: &[f64],
+    at: &At,
+    seed: u32,
+    twins: &Twins,
+) -> io::Result<Verdict> {
+    loaded.judged.member(values, |subject| {
+        writeln!(out, "{}", subject.name())?;
+        match *at {
+            At::Marginal { theta, phi, fixed } => marginal(out, subject, theta, phi, fixed, seed),
+            At::Pair { wi, wo } => {
+                let gpu = loaded.judged.on_gpu(values, twins, &[(wi.cast(), wo.cast())]);
+                pair(out, subject, wi, wo, gpu.as_deref())
+            }
+        }
+    })
+}
+
+fn marginal(
+    out: &mut impl Write,
+    subject: &dyn Subject,
+    theta: f64,
+    phi: f64,
+    fixed: Fixed,
+    seed: u32,
+) -> io::Result<Verdict> {
+    let albedo = albedo(subject, theta, phi, fixed, &Effort { seed, ..EFFORT });
+    let mut verdict = Verdict::Pass;
+    writeln!(out, "  albedo at θ={theta}° φ={phi}° [{} fixed]", fixed.name())?;
+    for (channel, (&value, &error)) in albedo.value.iter().zip(&albedo.error).enumerate() {
+        let judged = Verdict::of(value, error, 1.0, TOLERANCE);
+        let name = subject.channel_name(channel);
+        writeln!(out, "  {name:12} {value:.6} ± {error:.1e} {judged}")?;
+        verdict = verdict.max(judged);
+    }
+    if !albedo.agrees {
+        writeln!(
+            out,
+            "  cubature and its cross-check disagree: {:?} ± {:?}",
+            albedo.cross_check, albedo.standard_error
+        )?;
+        verdict = verdict.max(Verdict::Inconclusive);
+    }
+    if albedo.non_finite > 0 {
+        writeln!(out, "  {} samples were not finite and count as 0", albedo.non_finite)?;
+        verdict = verdict.max(Verdict::Inconclusive);
+    }
+    Ok(verdict)
+}
+
+/// What rounds to a negative number in f32 is no fault of the model's.
+const ROUNDING: f64 = 1e-4;
+
+fn pair(
+    out: &mut impl Write,
+    subject: &dyn Subject,
+    wi: Vector<f64>,
+    wo: Vector<f64>,
+    gpu: Option<&[f32]>,
+) -> io::Result<Verdict> {
+    let channels = subject.channels();
+    let (mut forth, mut back, mut single) = (vec![0.0; channels], vec![0.0; channels], vec![0.0f32; channels]);
+    subject.evaluate(wi, wo, &mut forth);
+    subject.evaluate(wo, wi, &mut back);
+    let mut fine = forth.iter().all(|f| f.is_finite() && *f >= -1e-12);
+    let list = |f: &[f64]| f.iter().map(|f| format!("{f}")).collect::<Vec<_>>().join(", ");
+    let narrow = |f: &[f32]| f.iter().map(|f| format!("{f}")).collect::<Vec<_>>().join(", ");
+    writeln!(out, "  f(wi, wo) f64  {}", list(&forth))?;
+    if subject.evaluate_single(wi.cast(), wo.cast(), &mut single) {
+        fine &= single.iter().all(|f| f.is_finite() && f64::from(*f) >= -ROUNDING);
+        writeln!(out, "  f(wi, wo) f32  {}", narrow(&single))?;
+    }
+    if let Some(gpu) = gpu {
+        writeln!(out, "  f(wi, wo) GPU  {}", narrow(gpu))?;
+    }
+    writeln!(out, "  f(wo, wi) f64  {}", list(&back))?;
+    let relative = |(f, g): (&f64, &f64)| (f - g).abs() / f.abs().max(g.abs()).max(reciprocity::FLOOR);
+    let difference = forth.iter().zip(&back).map(relative).filter(|d| d.is_finite()).fold(0.0, f64::max);
+    writeln!(out, "  relative difference of both orders {difference:.2e}")?;
+    fine &= difference <= reciprocity::TOLERANCE;
+    Ok(if fine { Verdict::Pass } else { Verdict::Fail })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_read() {
+        let want = At::Marginal { theta: 80.0, phi: 0.0, fixed: Fixed::Light };
+        assert_eq!(At::parse("theta=80,phi=0,light"), Ok(want));
+        assert_eq!(At::parse("light,theta=80"), Ok(want));
+        let (wi, wo) = (Vector::new(0.6, -0.0, 0.8), Vector::new(0.0, 1e-7, 1.0));
+        assert_eq!(At::parse("wi=0.6:-0:0.8,wo=0:1e-7:1"), Ok(At::Pair { wi, wo }));
+        for bad in
+            ["", "theta=90,light", "theta=x,light", "theta=3", "wi=0:0:1", "wi=0:1,wo=0:0:1", "up", "theta=NaN,view"]
+        {
+            let error = At::parse(bad).expect_err(bad);
+            assert!(error.contains("want theta="), "{bad}: {error}");
+        }
+    }
+}
