@@ -33,6 +33,7 @@ pub mod energy;
 pub mod family;
 mod lobes;
 mod marginals;
+pub mod merl;
 pub mod pairs;
 mod quadrature;
 pub mod reciprocity;
@@ -45,6 +46,7 @@ pub mod verdict;
 pub use energy::{Albedo, Effort, albedo};
 pub use family::{Family, Parameter, Scale};
 pub use marginals::THETAS;
+pub use merl::Merl;
 pub use report::{Check, Coverage, Finding, Place, Report};
 pub use stack::StackSubject;
 pub use subject::{Fixed, FromFn, Sample, Subject, from_fn};
@@ -108,6 +110,7 @@ pub fn check(subject: &dyn Subject, options: &Options<'_>) -> Report {
         findings: Vec::new(),
         albedos: Vec::new(),
         coverage: Coverage { seed: options.seed, budget: options.budget, ..Coverage::default() },
+        notes: Vec::new(),
     };
     // 9 classes, some 5 evaluations a pair: a tenth of the budget.
     let samples = (options.budget / 10 / (5 * Class::ALL.len())).clamp(64, 1 << 16);
@@ -143,6 +146,7 @@ pub fn check(subject: &dyn Subject, options: &Options<'_>) -> Report {
             finding.binding &= !(light || finding.check == Check::Reciprocity);
         }
     }
+    report.notes = subject.notes();
     report
 }
 

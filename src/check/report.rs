@@ -161,6 +161,8 @@ pub struct Report {
     pub albedos: Vec<Albedo>,
     /// What was looked at.
     pub coverage: Coverage,
+    /// What the subject says of itself ([`Subject::notes`](super::subject::Subject::notes)).
+    pub notes: Vec<String>,
 }
 
 impl Report {
@@ -280,6 +282,9 @@ impl Display for Report {
         for fixed in [Fixed::View, Fixed::Light] {
             self.write_albedos(f, fixed)?;
         }
+        for note in &self.notes {
+            writeln!(f, "  note: {note}")?;
+        }
         write!(f, "{}", self.coverage)
     }
 }
@@ -334,6 +339,7 @@ mod tests {
             findings,
             albedos: Vec::new(),
             coverage: Coverage::default(),
+            notes: Vec::new(),
         };
         assert_eq!(report.verdict(), Verdict::Pass);
         assert!(report.to_string().contains("(FAIL)"), "{report}");
