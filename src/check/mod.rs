@@ -30,6 +30,8 @@ mod chart;
 mod corpus;
 mod crosscheck;
 pub mod energy;
+#[cfg(feature = "shader")]
+pub mod explorer;
 pub mod family;
 mod lobes;
 mod marginals;
@@ -44,6 +46,8 @@ pub mod subject;
 pub mod verdict;
 
 pub use energy::{Albedo, Effort, albedo};
+#[cfg(feature = "shader")]
+pub use explorer::{Explorer, ExplorerError};
 pub use family::{Family, Parameter, Scale};
 pub use marginals::THETAS;
 pub use merl::Merl;
