@@ -30,9 +30,12 @@ mod chart;
 mod corpus;
 mod crosscheck;
 pub mod energy;
+#[cfg(feature = "shader")]
+pub mod explorer;
 pub mod family;
 mod lobes;
 mod marginals;
+pub mod merl;
 pub mod output;
 pub mod pairs;
 mod quadrature;
@@ -44,8 +47,11 @@ pub mod subject;
 pub mod verdict;
 
 pub use energy::{Albedo, Effort, albedo};
+#[cfg(feature = "shader")]
+pub use explorer::{Explorer, ExplorerError};
 pub use family::{Family, Parameter, Scale};
 pub use marginals::THETAS;
+pub use merl::Merl;
 pub use report::{Check, Coverage, Finding, Place, Report};
 pub use stack::StackSubject;
 pub use subject::{Fixed, FromFn, Sample, Subject, from_fn};
@@ -123,6 +129,7 @@ pub fn check(subject: &dyn Subject, options: &Options<'_>) -> Report {
         findings: Vec::new(),
         albedos: Vec::new(),
         coverage: Coverage { seed: options.seed, budget: options.budget, ..Coverage::default() },
+        notes: Vec::new(),
     };
     // 9 classes, some 5 evaluations a pair: a tenth of the budget.
     let samples = (options.budget / 10 / (5 * Class::ALL.len())).clamp(64, 1 << 16);
@@ -158,6 +165,7 @@ pub fn check(subject: &dyn Subject, options: &Options<'_>) -> Report {
             finding.binding &= !(light || finding.check == Check::Reciprocity);
         }
     }
+    report.notes = subject.notes();
     report
 }
 

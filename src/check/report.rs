@@ -168,6 +168,8 @@ pub struct Report {
     pub albedos: Vec<Albedo>,
     /// What was looked at.
     pub coverage: Coverage,
+    /// What the subject says of itself ([`Subject::notes`](super::subject::Subject::notes)).
+    pub notes: Vec<String>,
 }
 
 impl Report {
@@ -369,6 +371,9 @@ impl Display for Table<'_> {
         for fixed in [Fixed::View, Fixed::Light] {
             report.write_albedos(f, fixed)?;
         }
+        for note in &report.notes {
+            writeln!(f, "  note: {note}")?;
+        }
         write!(f, "{}", report.coverage)
     }
 }
@@ -430,6 +435,7 @@ mod tests {
             findings: vec![finding],
             albedos: Vec::new(),
             coverage: Coverage::default(),
+            notes: Vec::new(),
         };
         let text = report(found.clone()).to_string();
         for line in ["cause:        likely the view alone", "again:        brdf check x.wgsl", "f in f32:     0.5"] {
@@ -454,6 +460,7 @@ mod tests {
             findings,
             albedos: Vec::new(),
             coverage: Coverage::default(),
+            notes: Vec::new(),
         };
         assert_eq!(report.verdict(), Verdict::Pass);
         assert!(report.to_string().contains("(FAIL)"), "{report}");

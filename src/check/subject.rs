@@ -47,6 +47,12 @@ pub trait Subject: Sync {
         0.0
     }
 
+    /// What a reader of the report must know of the subject besides its numbers: data that is missing, an evaluation that
+    /// broke off, a property that holds by construction. One line each; asked for after the checks.
+    fn notes(&self) -> Vec<String> {
+        Vec::new()
+    }
+
     /// What the report calls a channel: r, g, b of three, nothing of one, else its number.
     fn channel_name(&self, channel: usize) -> String {
         match (self.channels(), channel) {

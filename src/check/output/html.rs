@@ -99,6 +99,9 @@ fn section(page: &mut String, entry: &Entry, alone: bool) {
         }
         Outcome::Judged { report, figures } => {
             findings(page, report);
+            for note in &report.notes {
+                let _ = writeln!(page, "<p class=\"note\">{}</p>", escape(note));
+            }
             for finding in report.findings.iter().filter(|finding| finding.is_told()) {
                 counterexample(page, finding);
             }

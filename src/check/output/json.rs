@@ -72,6 +72,7 @@ fn fill(fields: &mut Map<String, Value>, report: &Report) {
     fields.insert("findings".into(), report.findings.iter().map(finding).collect());
     fields.insert("albedos".into(), report.albedos.iter().map(albedo).collect());
     fields.insert("coverage".into(), coverage(&report.coverage));
+    fields.insert("notes".into(), json!(report.notes));
 }
 
 fn vector(v: Vector<f64>) -> Value {

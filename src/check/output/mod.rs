@@ -284,6 +284,7 @@ pub(super) mod tests {
             findings: vec![energy, sign],
             albedos: vec![albedo],
             coverage: Coverage { seed: 3, budget: 4, pairs: 7, ..Coverage::default() },
+            notes: vec!["16 bins hold no data".into()],
         }
     }
 

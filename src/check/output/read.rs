@@ -154,6 +154,7 @@ fn report(field: &Field<'_>) -> Result<Report> {
         findings: field.get("findings")?.each(finding)?,
         albedos: field.get("albedos")?.each(albedo)?,
         coverage: coverage(&field.get("coverage")?)?,
+        notes: field.get("notes")?.each(|note| note.text())?,
     })
 }
 

@@ -46,6 +46,8 @@ mod program;
 mod retype;
 mod words;
 
+#[cfg(feature = "check")]
+pub(crate) use depth::bounded;
 pub use error::InterpError;
 #[doc(hidden)]
 pub use number::{Number, Whole};
