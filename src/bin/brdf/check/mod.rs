@@ -1,6 +1,7 @@
 //! `brdf check`: the judge over built-in materials, stack files, and what else can be read.
 
 mod again;
+mod pinned;
 mod place;
 pub(crate) mod subjects;
 pub(crate) mod terminal;
@@ -174,7 +175,7 @@ fn judge(
         ..check::Options::default()
     };
     let mut report = loaded.judged.check(&settings);
-    if let Some(fault) = loaded.judged.fault() {
+    if let Some(fault) = loaded.fault() {
         return Ok(Err(fault));
     }
     report.findings.extend(twins.finding(loaded)?);
@@ -202,7 +203,7 @@ fn see(options: &Options, sources: &[Source], at: &place::At, twins: &Twins) -> 
     let loaded = options.reading.load(source)?;
     let values = loaded.judged.values(&[]);
     let verdict = place::print(&mut io::stdout().lock(), &loaded, &values, at, options.seed, twins)?;
-    if let Some(fault) = loaded.judged.fault() {
+    if let Some(fault) = loaded.fault() {
         return Err(fault.into());
     }
     Ok(ExitCode::from(verdict.exit_code()))

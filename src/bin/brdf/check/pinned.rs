@@ -122,7 +122,8 @@ mod tests {
     }
 
     fn three() -> Box<dyn Family> {
-        let parameter = |name: &str| Parameter { name: name.into(), low: 0.0, high: 1.0, default: 0.5, scale: Scale::Linear };
+        let parameter =
+            |name: &str| Parameter { name: name.into(), low: 0.0, high: 1.0, default: 0.5, scale: Scale::Linear };
         Box::new(Three(["a", "b", "c"].map(parameter).into()))
     }
 

@@ -1,14 +1,18 @@
 //! What to judge, from the arguments: built-in materials, files, folders of files.
 
+use super::pinned::pin;
 use super::twins::Twins;
 use crate::failure::Failure;
 use crate::material::{self, AnyStack, Change, Material};
 use brdf::Vector;
+use brdf::check::explorer::Explorer;
+use brdf::check::merl::{self, Merl};
 use brdf::check::output::Figures;
 use brdf::check::{self, Family, Profile, Report, StackSubject, Subject};
 use brdf::layered::{Model, Widths};
 use clap::Args;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// What is judged, and how it is read.
 #[derive(Args)]
@@ -21,6 +25,12 @@ pub(crate) struct Reading {
     /// How wide covered interfaces are taken, in place of the stacks' own rule.
     #[arg(long, value_parser = material::widths)]
     pub(super) widths: Option<Widths>,
+    /// Set a parameter, which is then not searched.
+    #[arg(long = "param", value_name = "NAME=VALUE")]
+    values: Vec<String>,
+    /// Search a parameter over this range, each magnitude alike with `:log`.
+    #[arg(long = "range", value_name = "NAME=LO..HI[:log]")]
+    ranges: Vec<String>,
 }
 
 /// Something to judge that has not been read.
@@ -58,6 +68,34 @@ pub(super) struct Loaded {
     pub(super) stack: Option<AnyStack>,
     /// The profile that suits it, if that is not the default one.
     pub(super) profile: Option<Profile>,
+    /// What went wrong while it was evaluated, asked for after the checks.
+    pub(super) fault: Option<Box<dyn Fn() -> Option<String>>>,
+}
+
+impl Loaded {
+    fn new(judged: Judged, kind: impl Into<String>) -> Self {
+        Loaded { judged, kind: kind.into(), stack: None, profile: None, fault: None }
+    }
+
+    /// The first error of an evaluation, if there was one.
+    pub(super) fn fault(&self) -> Option<String> {
+        self.fault.as_ref().and_then(|fault| fault())
+    }
+}
+
+/// A family that others look at as well.
+struct Shared<F>(Arc<F>);
+
+impl<F: Family + Send> Family for Shared<F> {
+    fn name(&self) -> String {
+        self.0.name()
+    }
+    fn parameters(&self) -> &[check::Parameter] {
+        self.0.parameters()
+    }
+    fn subject(&self, values: &[f64]) -> Box<dyn Subject + '_> {
+        self.0.subject(values)
+    }
 }
 
 impl Reading {
@@ -84,8 +122,15 @@ impl Reading {
     }
 
     /// The arguments that name a subject, its parameters set.
-    pub(super) fn arguments(&self, source: &Source, _parameters: &[(String, f64)]) -> Vec<String> {
+    pub(super) fn arguments(&self, source: &Source, parameters: &[(String, f64)]) -> Vec<String> {
         let mut words = vec![source.name.clone()];
+        for range in &self.ranges {
+            words.extend(["--range".to_owned(), range.clone()]);
+        }
+        let pinned = parameters.iter().map(|(name, value)| format!("{name}={value}"));
+        for value in self.values.iter().cloned().chain(pinned) {
+            words.extend(["--param".to_owned(), value]);
+        }
         if let Some(model) = self.model {
             words.extend(["--model".to_owned(), model.name().to_owned()]);
         }
@@ -97,7 +142,36 @@ impl Reading {
 
     /// Reads a subject, or says in one line why it cannot be judged.
     pub(super) fn load(&self, source: &Source) -> Result<Loaded, String> {
-        let material = material::load(&source.name, self.change())?;
+        let name = &source.name;
+        if brdf::material::stack::by_name(name).is_some() || !Path::new(name).exists() {
+            return self.load_stack(name);
+        }
+        let at = |error: &dyn std::fmt::Display| format!("{name}: {error}");
+        let bytes = std::fs::read(name).map_err(|error| at(&error))?;
+        match Format::of(&bytes) {
+            Format::Merl => {
+                let merl = Merl::parse(name, &bytes).map_err(|error| at(&error))?;
+                self.without_parameters(name)?;
+                Ok(Loaded::new(Judged::Subject(Box::new(merl)), "MERL"))
+            }
+            Format::Explorer => {
+                let text = String::from_utf8_lossy(&bytes);
+                let explorer = Arc::new(Explorer::parse(name, &text).map_err(|error| at(&error))?);
+                let profile = explorer.profile();
+                let family = pin(Box::new(Shared(Arc::clone(&explorer))), &self.values, &self.ranges);
+                let fault = move || explorer.error();
+                Ok(Loaded {
+                    profile: Some(profile),
+                    fault: Some(Box::new(fault)),
+                    ..Loaded::new(Judged::Family(family.map_err(|error| at(&error))?), "BRDF Explorer")
+                })
+            }
+            Format::Other => self.load_stack(name),
+        }
+    }
+
+    fn load_stack(&self, name: &str) -> Result<Loaded, String> {
+        let material = material::load(name, self.change())?;
         if material.stack.model() == Model::Walk {
             return Err(format!(
                 "{}: the walk's f is a mean of random numbers, whose noise would be judged in place of the stack; use \
@@ -105,7 +179,37 @@ impl Reading {
                 material.name
             ));
         }
+        self.without_parameters(name)?;
         Ok(from_stack(material))
+    }
+
+    /// Refuses parameters where there are none to set.
+    fn without_parameters(&self, name: &str) -> Result<(), String> {
+        match self.values.iter().chain(&self.ranges).next() {
+            None => Ok(()),
+            Some(word) => Err(format!("{name}: `{word}` sets a parameter, and this subject has none")),
+        }
+    }
+}
+
+/// What the content of a file is.
+enum Format {
+    Merl,
+    Explorer,
+    Other,
+}
+
+impl Format {
+    /// By content: extensions lie.
+    fn of(bytes: &[u8]) -> Self {
+        let dimensions = bytes.chunks_exact(4).take(3).map(|word| word.try_into().map_or(0, i32::from_le_bytes));
+        let product = dimensions.fold(1i64, |product, n| product.saturating_mul(i64::from(n)));
+        if bytes.len() >= 12 && product == merl::BINS as i64 {
+            return Format::Merl;
+        }
+        let text = String::from_utf8_lossy(bytes.get(..4096).unwrap_or(bytes));
+        let mut words = text.lines().filter(|line| !line.starts_with('#')).flat_map(str::split_whitespace);
+        if matches!(words.next(), Some("analytic" | "bparam")) { Format::Explorer } else { Format::Other }
     }
 }
 
@@ -135,7 +239,7 @@ fn from_stack(material: Material) -> Loaded {
         AnyStack::Three(stack) => Box::new(StackSubject::new(name, stack)),
     };
     let kind = stack.model().name().to_owned();
-    Loaded { judged: Judged::Subject(subject), kind, stack: Some(stack), profile: None }
+    Loaded { stack: Some(stack), ..Loaded::new(Judged::Subject(subject), kind) }
 }
 
 impl Judged {
@@ -145,11 +249,6 @@ impl Judged {
             Judged::Subject(subject) => check::check(&**subject, options),
             Judged::Family(family) => check::check_family(&**family, options),
         }
-    }
-
-    /// What went wrong while it was evaluated.
-    pub(super) fn fault(&self) -> Option<String> {
-        None
     }
 
     fn family(&self) -> Option<&dyn Family> {
