@@ -1,6 +1,8 @@
-//! `brdf plot`: pictures of terms, as SVG.
+//! `brdf plot`: pictures of terms and of what `brdf check` judges, as SVG.
 
+use crate::check::portrait::Portrait;
 use crate::failure::Failure;
+use brdf::check::output::plots::Plot;
 use brdf::fresnel;
 use brdf::material::metal;
 use clap::{Args, Subcommand};
@@ -21,6 +23,30 @@ pub(crate) struct Options {
 enum Picture {
     /// Fresnel reflectance against the angle: exact, and what approximations make of it.
     Fresnel(FresnelOptions),
+    /// Albedo against the angle, of both marginals, with its error.
+    Albedo(SubjectOptions),
+    /// f in the plane of incidence as a polar diagram.
+    Lobes(SubjectOptions),
+    /// Where f(wi, wo) and f(wo, wi) differ.
+    Reciprocity(SubjectOptions),
+    /// Where f is negative, NaN or infinite.
+    Validity(SubjectOptions),
+    /// Deviation of single precision and of a GPU from double precision, against the angle.
+    Precision(SubjectOptions),
+    /// Deviation of single precision against the angle and a parameter.
+    Sweep(SubjectOptions),
+}
+
+#[derive(Args)]
+struct SubjectOptions {
+    #[command(flatten)]
+    portrait: Portrait,
+    /// Radii of lobes in proportion to f, instead of over three decades.
+    #[arg(long)]
+    linear: bool,
+    /// Write here instead of to the standard output.
+    #[arg(long, short)]
+    output: Option<PathBuf>,
 }
 
 #[derive(Args)]
@@ -47,7 +73,28 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
-    let Picture::Fresnel(options) = &options.picture;
+    match &options.picture {
+        Picture::Fresnel(options) => fresnel_picture(options),
+        Picture::Albedo(options) => subject_picture(options, Plot::Albedo),
+        Picture::Lobes(options) => subject_picture(options, Plot::Lobes),
+        Picture::Reciprocity(options) => subject_picture(options, Plot::Reciprocity),
+        Picture::Validity(options) => subject_picture(options, Plot::Validity),
+        Picture::Precision(options) => subject_picture(options, Plot::Precision),
+        Picture::Sweep(options) => subject_picture(options, Plot::Sweep),
+    }
+}
+
+fn subject_picture(options: &SubjectOptions, plot: Plot) -> Result<ExitCode, Failure> {
+    let (name, figures) = options.portrait.sample()?;
+    let picture = plot.draw(&figures, &name, !options.linear);
+    let picture = picture.ok_or_else(|| match plot {
+        Plot::Sweep => format!("{name}: no parameter to sweep, or no single precision"),
+        _ => format!("{name}: there is no single precision to compare"),
+    })?;
+    put(&options.output, &picture)
+}
+
+fn fresnel_picture(options: &FresnelOptions) -> Result<ExitCode, Failure> {
     let metal = metal::by_name(&options.metal)
         .ok_or_else(|| format!("--metal {}: no such metal; see `brdf list`", options.metal))?;
     let panels = panels(metal, options.n);
@@ -56,7 +103,11 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
     } else {
         picture(&panels).map_err(|error| format!("the picture could not be drawn: {error}"))?
     };
-    match &options.output {
+    put(&options.output, &picture)
+}
+
+fn put(path: &Option<PathBuf>, picture: &str) -> Result<ExitCode, Failure> {
+    match path {
         Some(path) => {
             std::fs::write(path, picture).map_err(|error| format!("{}: {error}", path.display()))?;
         }

@@ -3,6 +3,7 @@
 mod again;
 mod pinned;
 mod place;
+pub(crate) mod portrait;
 pub(crate) mod subjects;
 pub(crate) mod terminal;
 mod twins;
@@ -192,7 +193,7 @@ fn figures(loaded: &Loaded, report: &Report, twins: &Twins) -> Figures {
     let rank = |finding: &&Finding| (finding.binding, finding.verdict, !finding.parameters.is_empty());
     let worst = report.findings.iter().filter(|finding| finding.verdict != Verdict::Pass).max_by_key(rank);
     let values = loaded.judged.values(worst.map_or(&[][..], |finding| &finding.parameters));
-    loaded.judged.figures(&values, twins)
+    loaded.figures(&values, twins)
 }
 
 /// Evaluates the one place of `--at`.

@@ -73,7 +73,7 @@ pub(super) fn print(
         match *at {
             At::Marginal { theta, phi, fixed } => marginal(out, subject, theta, phi, fixed, seed),
             At::Pair { wi, wo } => {
-                let gpu = loaded.judged.on_gpu(values, twins, &[(wi.cast(), wo.cast())]);
+                let gpu = loaded.on_gpu(values, twins, &[(wi.cast(), wo.cast())]);
                 pair(out, subject, wi, wo, gpu.as_deref())
             }
         }

@@ -9,6 +9,7 @@ use brdf::check::explorer::Explorer;
 use brdf::check::merl::{self, Merl};
 use brdf::check::output::Figures;
 use brdf::check::{self, Family, Profile, Report, StackSubject, Subject};
+use brdf::gpu::Gpu;
 use brdf::layered::{Model, Widths};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -70,16 +71,40 @@ pub(super) struct Loaded {
     pub(super) profile: Option<Profile>,
     /// What went wrong while it was evaluated, asked for after the checks.
     pub(super) fault: Option<Box<dyn Fn() -> Option<String>>>,
+    /// Runs the member with these values on an adapter.
+    pub(super) gpu: Option<Box<RunOnGpu>>,
 }
+
+/// f of every channel of many pairs, one after the other, for the values of the parameters.
+type RunOnGpu = dyn Fn(&Gpu, &[f64], &[(Vector<f32>, Vector<f32>)]) -> Option<Vec<f32>>;
 
 impl Loaded {
     fn new(judged: Judged, kind: impl Into<String>) -> Self {
-        Loaded { judged, kind: kind.into(), stack: None, profile: None, fault: None }
+        Loaded { judged, kind: kind.into(), stack: None, profile: None, fault: None, gpu: None }
     }
 
     /// The first error of an evaluation, if there was one.
     pub(super) fn fault(&self) -> Option<String> {
         self.fault.as_ref().and_then(|fault| fault())
+    }
+
+    /// f of pairs on the adapter, where there is one and the subject runs there.
+    pub(super) fn on_gpu(
+        &self,
+        values: &[f64],
+        twins: &Twins,
+        pairs: &[(Vector<f32>, Vector<f32>)],
+    ) -> Option<Vec<f32>> {
+        self.gpu.as_ref().zip(twins.gpu.as_ref()).and_then(|(run, gpu)| run(gpu, values, pairs))
+    }
+
+    /// What pictures are drawn from.
+    pub(super) fn figures(&self, values: &[f64], twins: &Twins) -> Figures {
+        let run = |pairs: &[(Vector<f32>, Vector<f32>)]| self.on_gpu(values, twins, pairs);
+        match &self.judged {
+            Judged::Subject(subject) => Figures::new(&**subject, Vec::new(), Some(&run)),
+            Judged::Family(family) => Figures::of_family(&**family, values, Some(&run)),
+        }
     }
 }
 
@@ -273,24 +298,6 @@ impl Judged {
         match self {
             Judged::Subject(subject) => then(&**subject),
             Judged::Family(family) => then(&*family.subject(values)),
-        }
-    }
-
-    /// f of pairs on the adapter, where there is one and the subject runs there.
-    pub(super) fn on_gpu(
-        &self,
-        _values: &[f64],
-        _twins: &Twins,
-        _pairs: &[(Vector<f32>, Vector<f32>)],
-    ) -> Option<Vec<f32>> {
-        None
-    }
-
-    /// What pictures are drawn from.
-    pub(super) fn figures(&self, values: &[f64], _twins: &Twins) -> Figures {
-        match self {
-            Judged::Subject(subject) => Figures::new(&**subject, Vec::new(), None),
-            Judged::Family(family) => Figures::of_family(&**family, values, None),
         }
     }
 }
