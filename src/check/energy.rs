@@ -91,13 +91,7 @@ pub fn albedo(subject: &dyn Subject, theta: f64, phi: f64, fixed: Fixed, effort:
 }
 
 /// [`albedo`], and the defects that it met.
-pub(super) fn watched(
-    subject: &dyn Subject,
-    theta: f64,
-    phi: f64,
-    fixed: Fixed,
-    effort: &Effort,
-) -> (Albedo, Watch) {
+pub(super) fn watched(subject: &dyn Subject, theta: f64, phi: f64, fixed: Fixed, effort: &Effort) -> (Albedo, Watch) {
     let theta = theta.clamp(0.0, 89.9999);
     let direction = Vector::from_angles(theta.to_radians(), phi.to_radians());
     let mut result = Albedo {

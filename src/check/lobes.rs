@@ -62,9 +62,10 @@ fn climb(probe: &mut Probe<'_>, climbers: &mut [Climber], steps: usize) {
         let found = heights(probe, &next);
         for ((&i, next), found) in active.iter().zip(next.chunks_exact(4)).zip(found.chunks_exact(4)) {
             let climber = &mut climbers[i];
-            let best = next.iter().zip(found).fold((climber.at, climber.top), |best, (&at, &top)| {
-                if top > best.1 { (at, top) } else { best }
-            });
+            let best = next
+                .iter()
+                .zip(found)
+                .fold((climber.at, climber.top), |best, (&at, &top)| if top > best.1 { (at, top) } else { best });
             if best.1 > climber.top {
                 (climber.at, climber.top) = best;
             } else {
@@ -138,8 +139,7 @@ pub(super) fn find(probe: &mut Probe<'_>, thorough: bool) -> Vec<Lobe> {
     }));
     let directions: Vec<Vector<f64>> = rings.iter().map(|&(v, _)| v).collect();
     let tops = heights(probe, &directions);
-    let mut starts: Vec<Climber> =
-        rings.iter().zip(tops).map(|(&(at, step), top)| Climber { at, top, step }).collect();
+    let mut starts: Vec<Climber> = rings.iter().zip(tops).map(|(&(at, step), top)| Climber { at, top, step }).collect();
     let mut spread = starts.split_off(each * anchors.len());
     spread.sort_by(|a, b| b.top.total_cmp(&a.top));
     let highest = |a: &Climber, b: &Climber| a.top >= b.top;
