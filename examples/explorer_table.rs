@@ -1,6 +1,6 @@
 //! Judges every BRDF Explorer file of a folder and prints a Markdown table: `explorer_table DIR [BUDGET]`.
 
-use brdf::check::{self, Check, Explorer, Family, Finding, Fixed, Options, Profile};
+use brdf::check::{self, Check, Explorer, Family, Finding, Fixed, Options, Profile, Verdict};
 use std::error::Error;
 use std::time::Instant;
 
@@ -11,7 +11,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut paths: Vec<_> =
         std::fs::read_dir(folder)?.map(|entry| entry.map(|entry| entry.path())).collect::<Result<_, _>>()?;
     paths.sort();
-    println!("| file | default parameters | profile | verdict | worst energy | reciprocity | sign, finite |");
+    println!("| file | default parameters | profile | verdict | worst energy | reciprocity | other findings |");
     println!("|---|---|---|---|---|---|---|");
     for path in paths {
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
@@ -37,7 +37,13 @@ fn main() -> Result<(), Box<dyn Error>> {
                 line.split_once(' ').map_or(line.clone(), |(_, rest)| rest.to_owned())
             })
         };
-        let sane: Vec<String> = [Check::Sign, Check::Finite].iter().map(|&check| line(report.finding(check))).collect();
+        let rest: Vec<String> = report
+            .findings
+            .iter()
+            .filter(|finding| !matches!(finding.check, Check::Energy | Check::Reciprocity))
+            .filter(|finding| finding.binding && finding.verdict != Verdict::Pass)
+            .map(Finding::to_string)
+            .collect();
         let profile = if file.profile() == Profile::Term { "term" } else { "strict" };
         println!(
             "| {name} | {} | {profile} | {} | {} | {} | {} |",
@@ -45,7 +51,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             report.verdict(),
             line(worst),
             line(report.finding(Check::Reciprocity)),
-            sane.join("; "),
+            if rest.is_empty() { "none".to_owned() } else { rest.join("; ") },
         );
         eprintln!("{name}: {:.1} s, {} evaluations", start.elapsed().as_secs_f64(), report.coverage.evaluations);
         if let Some(error) = file.error() {

@@ -55,11 +55,14 @@ impl Chart {
     /// The edges in t that an adaptive rule starts from.
     pub(super) const SECTORS: [f64; 9] = [-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0];
 
-    /// The edges of the rings that an adaptive rule starts from.
-    pub(super) fn rings(&self) -> Vec<f64> {
+    /// Half as many, for a glance.
+    pub(super) const HALVES: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
+
+    /// The edges of the rings that an adaptive rule starts from, `wide` times the usual width.
+    pub(super) fn rings(&self, wide: f64) -> Vec<f64> {
         let mut edges = vec![0.0];
         // The cubic's derivative is at most 3/2.
-        for (from, to, ring) in [(0.0, self.inner, RING), (self.inner, self.outer, RING / 1.5)] {
+        for (from, to, ring) in [(0.0, self.inner, RING * wide), (self.inner, self.outer, RING * wide / 1.5)] {
             let count = ((to - from) / ring).ceil();
             if to - from > 1e-9 {
                 edges.extend((1..=count as usize).map(|i| from + (to - from) * i as f64 / count));

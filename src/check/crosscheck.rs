@@ -10,7 +10,7 @@
 use super::chart::Chart;
 use super::lobes::Lobe;
 use super::quadrature::Cubature;
-use super::subject::Section;
+use super::subject::Probe;
 use crate::frame::{Frame, Vector};
 use core::f64::consts::{FRAC_1_PI, PI, TAU};
 use sobol_burley::sample_4d;
@@ -18,9 +18,11 @@ use sobol_burley::sample_4d;
 /// Shares of the mixture: panels, cosine, radii, lobes.
 const SHARES: [f64; 4] = [0.6, 0.15, 0.15, 0.1];
 
+/// Samples that the subject is given at once.
+const BLOCK: usize = 256;
+
 /// Everything that the mixture draws from.
 pub(super) struct Mixture<'a> {
-    pub(super) section: Section<'a>,
     pub(super) chart: &'a Chart,
     pub(super) panels: &'a Cubature,
     pub(super) lobes: &'a [Lobe],
@@ -45,28 +47,36 @@ struct Draw {
 
 impl Mixture<'_> {
     /// Integrates f·cosθ over the hemisphere with `replicates` × `samples` points.
-    pub(super) fn integrate(&self, replicates: usize, samples: usize, seed: u32) -> Estimate {
-        let channels = self.section.subject.channels();
+    pub(super) fn integrate(&self, probe: &mut Probe<'_>, replicates: usize, samples: usize, seed: u32) -> Estimate {
+        let channels = probe.section.subject.channels();
         // The sequence is no longer than that.
         let samples = samples.min(1 << 16);
-        let (mut f, mut model) = (vec![0.0; channels], vec![0.0; channels]);
+        let mut model = vec![0.0; channels];
         let (mut sum, mut squares) = (vec![0.0; channels], vec![0.0; channels]);
-        let mut witness = (0.0, self.section.direction);
+        let mut witness = (0.0, probe.section.direction);
+        let (mut draws, mut directions, mut values) = (Vec::new(), Vec::new(), Vec::new());
         for replicate in 0..replicates {
             let scramble = seed.wrapping_mul(0x9e37_79b9).wrapping_add(replicate as u32);
             let mut mean = vec![0.0; channels];
-            for i in 0..samples {
-                // Sobol coordinates have 24 bits; the half step keeps them inside (0, 1).
-                let u = sample_4d(i as u32, 0, scramble).map(|u| f64::from(u) + 2.98e-8);
-                let Some(Draw { v, at, weight, density }) = self.draw(u) else { continue };
-                self.section.evaluate(v, &mut f);
-                self.panels.model(at, &mut model);
-                for ((mean, f), model) in mean.iter_mut().zip(&f).zip(&model) {
-                    let excess = (f - model / weight) / density;
-                    if excess.abs() > witness.0 {
-                        witness = (excess.abs(), v);
+            for block in (0..samples).step_by(BLOCK) {
+                draws.clear();
+                draws.extend((block..samples.min(block + BLOCK)).filter_map(|i| {
+                    // Sobol coordinates have 24 bits; the half step keeps them inside (0, 1).
+                    self.draw(sample_4d(i as u32, 0, scramble).map(|u| f64::from(u) + 2.98e-8))
+                }));
+                directions.clear();
+                directions.extend(draws.iter().map(|draw| draw.v));
+                values.resize(draws.len() * channels, 0.0);
+                probe.evaluate(&directions, &mut values);
+                for (&Draw { v, at, weight, density }, f) in draws.iter().zip(values.chunks_exact(channels)) {
+                    self.panels.model(at, &mut model);
+                    for ((mean, f), model) in mean.iter_mut().zip(f).zip(&model) {
+                        let excess = (f - model / weight) / density;
+                        if excess.abs() > witness.0 {
+                            witness = (excess.abs(), v);
+                        }
+                        *mean += excess / samples as f64;
                     }
-                    *mean += excess / samples as f64;
                 }
             }
             for c in 0..channels {

@@ -8,7 +8,7 @@ use super::chart::Chart;
 use super::crosscheck::Mixture;
 use super::lobes::{self, Lobe};
 use super::quadrature::Cubature;
-use super::subject::{Fixed, Section, Subject};
+use super::subject::{Fixed, Probe, Section, Subject, Watch};
 use crate::frame::{Frame, Vector};
 use core::f64::consts::FRAC_PI_4;
 
@@ -47,6 +47,9 @@ impl Effort {
     }
 }
 
+/// Evaluations below which an integral without a cross-check starts from wide panels.
+const GLANCED: usize = 5_000;
+
 /// The albedo for one fixed direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Albedo {
@@ -84,6 +87,11 @@ impl Albedo {
 ///
 /// `theta` is clamped to [0, 89.9999].
 pub fn albedo(subject: &dyn Subject, theta: f64, phi: f64, fixed: Fixed, effort: &Effort) -> Albedo {
+    watched(subject, theta, phi, fixed, effort).0
+}
+
+/// [`albedo`], and the defects that it met.
+pub(super) fn watched(subject: &dyn Subject, theta: f64, phi: f64, fixed: Fixed, effort: &Effort) -> (Albedo, Watch) {
     let theta = theta.clamp(0.0, 89.9999);
     let direction = Vector::from_angles(theta.to_radians(), phi.to_radians());
     let mut result = Albedo {
@@ -99,54 +107,62 @@ pub fn albedo(subject: &dyn Subject, theta: f64, phi: f64, fixed: Fixed, effort:
         evaluations: 0,
     };
     if subject.channels() == 0 {
-        return result;
+        return (result, Watch::default());
     }
-    let section = Section { subject, direction, fixed };
-    let (mut lobes, searched) = lobes::find(section);
-    result.evaluations = searched;
+    let mut probe = Probe::new(Section { subject, direction, fixed });
+    let mut lobes = lobes::find(&mut probe, effort.replicates > 0);
     for last in [false, true] {
-        let witness = integrate(section, &lobes, effort, &mut result);
+        let witness = integrate(&mut probe, &lobes, effort, &mut result);
         if result.agrees || last {
             break;
         }
         // The cubature has missed something, and the cross-check has hit it.
-        let (lobe, searched) = lobes::uphill(section, witness);
-        lobes.extend(lobe);
-        result.evaluations += searched;
+        lobes.extend(lobes::uphill(&mut probe, witness));
     }
-    result
+    result.non_finite = probe.watch.broken;
+    result.evaluations = probe.evaluations;
+    (result, probe.watch)
 }
 
 /// One cubature with its cross-check. Returns the direction of the sample that contradicts the cubature most.
-fn integrate(section: Section<'_>, lobes: &[Lobe], effort: &Effort, result: &mut Albedo) -> Vector<f64> {
-    let chart = Chart::new(section.direction);
-    let rings = chart.rings();
-    let mut panels = Cubature::new(section.subject.channels(), [&rings, &Chart::SECTORS]);
+fn integrate(probe: &mut Probe<'_>, lobes: &[Lobe], effort: &Effort, result: &mut Albedo) -> Vector<f64> {
+    let direction = probe.section.direction;
+    let channels = probe.section.subject.channels();
+    let chart = Chart::new(direction);
+    // Without a second opinion it is a glance, that starts from wider panels.
+    let glance = effort.replicates < 2 || effort.samples == 0;
+    let coarse = glance && effort.evaluations < GLANCED;
+    let rings = chart.rings(if coarse { 2.0 } else { 1.0 });
+    let sectors: &[f64] = if coarse { &Chart::HALVES } else { &Chart::SECTORS };
+    let mut panels = Cubature::new(channels, [&rings, sectors]);
     for lobe in lobes {
         focus(&mut panels, &chart, lobe);
     }
-    result.non_finite = 0;
-    panels.run(effort.target, effort.evaluations, |[c, t], f| {
-        let point = chart.point(c, t);
-        if point.weight > 0.0 {
-            result.non_finite += usize::from(section.evaluate(point.v, f) > 0);
-            f.iter_mut().for_each(|f| *f *= point.weight);
-        } else {
-            f.fill(0.0);
+    let (mut directions, mut weights) = (Vec::new(), Vec::new());
+    panels.run(effort.target, effort.evaluations, |at, f| {
+        let points = at.iter().map(|&[c, t]| chart.point(c, t));
+        weights.clear();
+        directions.clear();
+        for point in points {
+            weights.push(point.weight);
+            // Below the horizon by rounding: the fixed direction stands in, and weighs nothing.
+            directions.push(if point.weight > 0.0 { point.v } else { direction });
+        }
+        probe.evaluate(&directions, f);
+        for (f, weight) in f.chunks_exact_mut(channels).zip(&weights) {
+            f.iter_mut().for_each(|f| *f *= weight);
         }
     });
     let (value, bound) = panels.result();
-    result.evaluations += panels.evaluations;
     result.agrees = true;
     result.error = bound.clone();
     result.value = value;
-    if effort.replicates < 2 || effort.samples == 0 {
-        return section.direction;
+    if glance {
+        return direction;
     }
     panels.weigh();
-    let mixture = Mixture { section, chart: &chart, panels: &panels, lobes };
-    let estimate = mixture.integrate(effort.replicates, effort.samples, effort.seed);
-    result.evaluations += effort.replicates * effort.samples;
+    let mixture = Mixture { chart: &chart, panels: &panels, lobes };
+    let estimate = mixture.integrate(probe, effort.replicates, effort.samples, effort.seed);
     for (c, &bound) in bound.iter().enumerate() {
         let (value, spread) = (result.value[c], estimate.standard_error[c]);
         let apart = (value - estimate.mean[c]).abs();

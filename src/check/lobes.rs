@@ -4,7 +4,7 @@
 //! flakes, peaks off the mirror direction) a narrow lobe is met only if it is looked for: from rings of every radius around
 //! the mirror, the retro direction and the normal, and from the whole hemisphere, uphill.
 
-use super::subject::Section;
+use super::subject::Probe;
 use crate::frame::{Frame, Vector};
 use core::f64::consts::TAU;
 
@@ -23,121 +23,148 @@ const SPOKES: usize = 6;
 const SPREAD: usize = 48;
 /// How many of those are climbed from.
 const CLIMBED: usize = 3;
+/// Steps of a climb.
+const STEPS: usize = 40;
 const FINEST: f64 = 2e-5;
 
-struct Search<'a> {
-    section: Section<'a>,
-    f: Vec<f64>,
-    evaluations: usize,
+/// f·cosθ of each direction, summed over the channels; 0 at and below the horizon.
+fn heights(probe: &mut Probe<'_>, directions: &[Vector<f64>]) -> Vec<f64> {
+    let channels = probe.section.subject.channels().max(1);
+    let above: Vec<Vector<f64>> = directions.iter().copied().filter(|v| v.z > 0.0).collect();
+    let mut f = vec![0.0; above.len() * channels];
+    probe.evaluate(&above, &mut f);
+    let mut found = f.chunks_exact(channels).map(|f| f.iter().map(|x| x.abs()).sum::<f64>());
+    directions.iter().map(|v| if v.z > 0.0 { found.next().unwrap_or(0.0) * v.z } else { 0.0 }).collect()
 }
 
-impl Search<'_> {
-    fn height(&mut self, v: Vector<f64>) -> f64 {
-        if v.z <= 0.0 {
-            return 0.0;
-        }
-        self.evaluations += 1;
-        self.section.evaluate(v, &mut self.f);
-        self.f.iter().map(|x| x.abs()).sum::<f64>() * v.z
-    }
+/// The four neighbours at a distance.
+fn around(v: Vector<f64>, step: f64) -> [Vector<f64>; 4] {
+    let frame = Frame::from_normal(v);
+    [(step, 0.0), (-step, 0.0), (0.0, step), (0.0, -step)].map(|(a, b)| step_from(v, &frame, a, b))
+}
 
-    /// Compass search with a step that halves when no neighbour is higher.
-    fn climb(&mut self, mut v: Vector<f64>, mut step: f64) -> (Vector<f64>, f64) {
-        let mut top = self.height(v);
-        let limit = self.evaluations + 160;
-        while step > FINEST && self.evaluations < limit {
-            let frame = Frame::from_normal(v);
-            let best = [(step, 0.0), (-step, 0.0), (0.0, step), (0.0, -step)]
-                .map(|(a, b)| step_from(v, &frame, a, b))
-                .map(|u| (u, self.height(u)))
-                .into_iter()
-                .fold((v, top), |best, next| if next.1 > best.1 { next } else { best });
-            if best.1 > top {
-                (v, top) = best;
+/// One compass search: a step that halves when no neighbour is higher.
+#[derive(Clone, Copy)]
+struct Climber {
+    at: Vector<f64>,
+    top: f64,
+    step: f64,
+}
+
+/// Takes every climber to its top, all of them a step at a time, in `steps` steps at most.
+fn climb(probe: &mut Probe<'_>, climbers: &mut [Climber], steps: usize) {
+    for _ in 0..steps {
+        let active: Vec<usize> = (0..climbers.len()).filter(|&i| climbers[i].step > FINEST).collect();
+        if active.is_empty() {
+            return;
+        }
+        let next: Vec<Vector<f64>> = active.iter().flat_map(|&i| around(climbers[i].at, climbers[i].step)).collect();
+        let found = heights(probe, &next);
+        for ((&i, next), found) in active.iter().zip(next.chunks_exact(4)).zip(found.chunks_exact(4)) {
+            let climber = &mut climbers[i];
+            let best = next
+                .iter()
+                .zip(found)
+                .fold((climber.at, climber.top), |best, (&at, &top)| if top > best.1 { (at, top) } else { best });
+            if best.1 > climber.top {
+                (climber.at, climber.top) = best;
             } else {
-                step *= 0.5;
+                climber.step *= 0.5;
             }
         }
-        (v, top)
     }
+}
 
-    fn width(&mut self, v: Vector<f64>, top: f64) -> f64 {
-        let frame = Frame::from_normal(v);
-        let mut radius = FINEST;
-        while radius < 1.0 {
-            let fallen = [(radius, 0.0), (-radius, 0.0), (0.0, radius), (0.0, -radius)].into_iter().any(|(a, b)| {
-                let u = step_from(v, &frame, a, b);
-                u.z > 0.0 && self.height(u) < 0.5 * top
-            });
-            if fallen {
-                break;
+/// The lobes at the tops, with their widths.
+fn measured(probe: &mut Probe<'_>, tops: &[Climber]) -> Vec<Lobe> {
+    let mut radii = vec![FINEST; tops.len()];
+    let mut open: Vec<usize> = (0..tops.len()).collect();
+    while !open.is_empty() {
+        let points: Vec<Vector<f64>> = open.iter().flat_map(|&i| around(tops[i].at, radii[i])).collect();
+        let found = heights(probe, &points);
+        let each: Vec<(usize, bool)> = open
+            .iter()
+            .zip(points.chunks_exact(4).zip(found.chunks_exact(4)))
+            .map(|(&i, (points, found))| {
+                (i, points.iter().zip(found).any(|(v, &height)| v.z > 0.0 && height < 0.5 * tops[i].top))
+            })
+            .collect();
+        open.clear();
+        for (i, fallen) in each {
+            if !fallen {
+                radii[i] *= 2.0;
+                if radii[i] < 1.0 {
+                    open.push(i);
+                }
             }
-            radius *= 2.0;
         }
-        radius
     }
+    tops.iter().zip(radii).map(|(top, width)| Lobe { direction: top.at, width }).collect()
 }
 
 fn step_from(v: Vector<f64>, frame: &Frame<f64>, a: f64, b: f64) -> Vector<f64> {
     (v + frame.tangent * a + frame.bitangent * b).normalized()
 }
 
-/// The lobe that is uphill from a direction, if f is not 0 there, and what finding it cost.
-pub(super) fn uphill(section: Section<'_>, from: Vector<f64>) -> (Option<Lobe>, usize) {
-    let mut search = Search { section, f: vec![0.0; section.subject.channels()], evaluations: 0 };
-    let (direction, top) = search.climb(from, 1e-3);
-    let lobe = (top > 0.0).then(|| Lobe { direction, width: search.width(direction, top) });
-    (lobe, search.evaluations)
+/// The lobe that is uphill from a direction, if f is not 0 there.
+pub(super) fn uphill(probe: &mut Probe<'_>, from: Vector<f64>) -> Option<Lobe> {
+    let top = heights(probe, &[from])[0];
+    let mut climber = [Climber { at: from, top, step: 1e-3 }];
+    climb(probe, &mut climber, STEPS);
+    if climber[0].top > 0.0 { measured(probe, &climber).pop() } else { None }
 }
 
-/// The lobes of a section, and what finding them cost in evaluations.
-pub(super) fn find(section: Section<'_>) -> (Vec<Lobe>, usize) {
-    let w = section.direction;
-    let mut search = Search { section, f: vec![0.0; section.subject.channels()], evaluations: 0 };
-    let mut starts = Vec::new();
-    for anchor in [Vector::new(-w.x, -w.y, w.z), w, Vector::new(0.0, 0.0, 1.0)] {
+/// The lobes of a section. A search that is not thorough climbs less.
+pub(super) fn find(probe: &mut Probe<'_>, thorough: bool) -> Vec<Lobe> {
+    let w = probe.section.direction;
+    let anchors = [Vector::new(-w.x, -w.y, w.z), w, Vector::new(0.0, 0.0, 1.0)];
+    // Each anchor, what surrounds it, and the step to climb with from there.
+    let mut rings: Vec<(Vector<f64>, f64)> = Vec::new();
+    for anchor in anchors {
         let frame = Frame::from_normal(anchor);
-        let mut best = (anchor, search.height(anchor), 1e-4);
+        rings.push((anchor, 1e-4));
         for (i, radius) in RADII.into_iter().enumerate() {
-            for spoke in 0..SPOKES {
+            rings.extend((0..SPOKES).map(|spoke| {
                 let angle = TAU * (spoke as f64 + 0.5 * (i % 2) as f64) / SPOKES as f64;
-                let v = step_from(anchor, &frame, radius * angle.cos(), radius * angle.sin());
-                let height = search.height(v);
-                if height > best.1 {
-                    best = (v, height, 0.5 * radius);
-                }
-            }
+                (step_from(anchor, &frame, radius * angle.cos(), radius * angle.sin()), 0.5 * radius)
+            }));
         }
-        starts.push(best);
     }
-    let mut spread: Vec<_> = (0..SPREAD)
-        .map(|i| {
-            // A sunflower spiral in the projected disk.
-            let square = (i as f64 + 0.5) / SPREAD as f64;
-            let angle = 2.399_963_229_728_653 * i as f64;
-            let v = Vector::new(square.sqrt() * angle.cos(), square.sqrt() * angle.sin(), (1.0 - square).sqrt());
-            (v, search.height(v), 0.1)
-        })
+    let each = rings.len() / anchors.len();
+    // A sunflower spiral in the projected disk.
+    rings.extend((0..SPREAD).map(|i| {
+        let square = (i as f64 + 0.5) / SPREAD as f64;
+        let angle = 2.399_963_229_728_653 * i as f64;
+        (Vector::new(square.sqrt() * angle.cos(), square.sqrt() * angle.sin(), (1.0 - square).sqrt()), 0.1)
+    }));
+    let directions: Vec<Vector<f64>> = rings.iter().map(|&(v, _)| v).collect();
+    let tops = heights(probe, &directions);
+    let mut starts: Vec<Climber> = rings.iter().zip(tops).map(|(&(at, step), top)| Climber { at, top, step }).collect();
+    let mut spread = starts.split_off(each * anchors.len());
+    spread.sort_by(|a, b| b.top.total_cmp(&a.top));
+    let highest = |a: &Climber, b: &Climber| a.top >= b.top;
+    let mut climbers: Vec<Climber> = starts
+        .chunks_exact(each)
+        .filter_map(|ring| ring.iter().copied().reduce(|a, b| if highest(&a, &b) { a } else { b }))
         .collect();
-    spread.sort_by(|a, b| b.1.total_cmp(&a.1));
-    starts.extend(spread.into_iter().take(CLIMBED));
+    climbers.extend(spread.into_iter().take(if thorough { CLIMBED } else { 1 }));
+    climb(probe, &mut climbers, if thorough { STEPS } else { STEPS / 2 });
+    climbers.retain(|climber| climber.top > 0.0 && climber.at.z > 0.0);
     let mut lobes: Vec<Lobe> = Vec::new();
-    for (start, _, step) in starts {
-        let (direction, top) = search.climb(start, step);
-        if top > 0.0 && direction.z > 0.0 {
-            let width = search.width(direction, top);
-            let new = |lobe: &Lobe| (lobe.direction - direction).length_squared().sqrt() > 0.5 * lobe.width.min(width);
-            if lobes.iter().all(new) {
-                lobes.push(Lobe { direction, width });
-            }
+    for lobe in measured(probe, &climbers) {
+        let apart = |other: &Lobe| {
+            (other.direction - lobe.direction).length_squared().sqrt() > 0.5 * other.width.min(lobe.width)
+        };
+        if lobes.iter().all(apart) {
+            lobes.push(lobe);
         }
     }
-    (lobes, search.evaluations)
+    lobes
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::subject::{Fixed, from_fn};
+    use super::super::subject::{Fixed, Section, from_fn};
     use super::*;
 
     #[test]
@@ -148,8 +175,9 @@ mod tests {
             f[0] = (-retro).exp() * 1e5 + (-(wi - tilted).length_squared() / 0.02).exp();
         });
         let direction = Vector::from_angles(0.6, 0.3);
-        let (lobes, cost) = find(Section { subject: &subject, direction, fixed: Fixed::View });
-        assert!(cost < 1500, "{cost}");
+        let mut probe = Probe::new(Section { subject: &subject, direction, fixed: Fixed::View });
+        let lobes = find(&mut probe, true);
+        assert!(probe.evaluations < 2000, "{}", probe.evaluations);
         let near =
             |v: Vector<f64>, d: f64| lobes.iter().find(|l| (l.direction - v).length_squared().sqrt() < d).copied();
         let retro = near(direction, 1e-4).map(|l| l.width);

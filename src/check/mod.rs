@@ -42,6 +42,7 @@ mod quadrature;
 pub mod reciprocity;
 pub mod report;
 pub mod sanity;
+pub mod sniff;
 mod stack;
 pub mod subject;
 pub mod verdict;

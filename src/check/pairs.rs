@@ -1,6 +1,7 @@
 //! Pairs of directions to put to a subject: the classes in which shaders go wrong, each sampled evenly on its own.
 
 use super::chart::Chart;
+use super::subject::Pair;
 use crate::frame::{Frame, Vector};
 use core::f64::consts::TAU;
 use sobol_burley::sample_4d;
@@ -123,6 +124,19 @@ fn with_cosine(cos: f64, phi: f64) -> Vector<f64> {
     Vector::new(sin * cos_phi, sin * sin_phi, cos)
 }
 
+/// The pair with its angles at whole multiples of 5°, 1°, 0.1° and 0.01°: what a person would rather read. Those that leave the
+/// hemisphere are left out.
+pub(super) fn rounder(pair: Pair) -> impl Iterator<Item = Pair> {
+    [5.0, 1.0, 0.1, 0.01].into_iter().filter_map(move |step| {
+        let [wi, wo] = [pair.0, pair.1].map(|v| {
+            let round = |degrees: f64| ((degrees / step).round() * step).to_radians();
+            let theta = round(v.sin_squared().sqrt().atan2(v.z).to_degrees());
+            Vector::from_angles(theta, round(v.y.atan2(v.x).to_degrees()))
+        });
+        (wi.z > 1e-6 && wo.z > 1e-6).then_some((wi, wo))
+    })
+}
+
 /// The mirror image about the normal.
 pub(super) fn mirror(v: Vector<f64>) -> Vector<f64> {
     Vector::new(-v.x, -v.y, v.z)
@@ -134,33 +148,52 @@ pub(super) fn turned(v: Vector<f64>, angle: f64) -> Vector<f64> {
     Vector::new(v.x * cos - v.y * sin, v.x * sin + v.y * cos, v.z)
 }
 
-/// Climbs an objective from a pair by a (1+1) evolution strategy with the 1/5 rule; returns the best pair and its value.
+/// Offspring of a generation: enough that a block of an interpreter is not wasted on one pair.
+const OFFSPRING: usize = 16;
+
+/// Climbs an objective from a pair by a (1+λ) evolution strategy with a success rule, λ = 16; returns the best pair and its
+/// value.
+///
+/// `objective` writes the value of each pair. NaN is never better than a number.
 pub(super) fn climb(
-    start: (Vector<f64>, Vector<f64>),
+    start: Pair,
     seed: u32,
-    steps: u32,
-    mut objective: impl FnMut(Vector<f64>, Vector<f64>) -> f64,
-) -> ((Vector<f64>, Vector<f64>), f64) {
-    let (mut best, mut value, mut sigma) = (start, objective(start.0, start.1), 0.1);
-    for i in 0..steps {
-        let u = sample_4d(i & 0xffff, 1, seed).map(|u| 2.0 * f64::from(u) - 1.0);
-        let moved = |v: Vector<f64>, a: f64, b: f64| {
-            let frame = Frame::from_normal(v);
-            // Steps shrink with the cosine, so that grazing directions stay above the horizon.
-            let v =
-                (v + (frame.tangent * a + frame.bitangent * b) * (sigma * v.z.clamp(1e-6, 1.0).sqrt())).normalized();
-            if v.z > 1e-7 { v } else { Vector::new(v.x, v.y, 1e-7).normalized() }
-        };
-        let next = (moved(best.0, u[0], u[1]), moved(best.1, u[2], u[3]));
-        let found = objective(next.0, next.1);
-        if found > value {
-            (best, value) = (next, found);
-            sigma = (sigma * 1.5).min(1.0);
-        } else {
-            sigma *= 0.9;
+    generations: u32,
+    mut objective: impl FnMut(&[Pair], &mut [f64]),
+) -> (Pair, f64) {
+    let mut value = [0.0];
+    objective(&[start], &mut value);
+    let (mut best, mut value, mut sigma) = (start, value[0], 0.1);
+    for generation in 0..generations {
+        let next: Vec<Pair> = (0..OFFSPRING)
+            .map(|child| {
+                let index = (generation as usize * OFFSPRING + child) as u32;
+                let u = sample_4d(index & 0xffff, 1, seed).map(|u| 2.0 * f64::from(u) - 1.0);
+                // Offspring of several sizes: the right one is not known.
+                let sigma = sigma * [1.0, 0.3, 0.1, 3.0][child % 4];
+                (moved(best.0, sigma, u[0], u[1]), moved(best.1, sigma, u[2], u[3]))
+            })
+            .collect();
+        let mut values = vec![f64::NEG_INFINITY; next.len()];
+        objective(&next, &mut values);
+        let top = (0..next.len()).reduce(|a, b| if values[b] > values[a] { b } else { a });
+        match top {
+            Some(top) if values[top] > value => {
+                (best, value) = (next[top], values[top]);
+                sigma = (sigma * 1.5).min(1.0);
+            }
+            _ => sigma *= 0.6,
         }
     }
     (best, value)
+}
+
+/// A direction moved by up to `sigma`, still above the horizon.
+pub(super) fn moved(v: Vector<f64>, sigma: f64, a: f64, b: f64) -> Vector<f64> {
+    let frame = Frame::from_normal(v);
+    // Steps shrink with the cosine, so that grazing directions stay above the horizon.
+    let v = (v + (frame.tangent * a + frame.bitangent * b) * (sigma * v.z.clamp(1e-6, 1.0).sqrt())).normalized();
+    if v.z > 1e-7 { v } else { Vector::new(v.x, v.y, 1e-7).normalized() }
 }
 
 #[cfg(test)]
@@ -183,8 +216,11 @@ mod tests {
     fn climbing_finds_a_maximum() {
         let target = Vector::from_angles(0.7, 1.0);
         let start = Class::Hemisphere.pair(3, 1);
-        let (_, value) =
-            climb(start, 5, 400, |wi, wo| -((wi - target).length_squared() + (wo - target).length_squared()));
+        let (_, value) = climb(start, 5, 60, |pairs, values| {
+            for ((wi, wo), value) in pairs.iter().zip(values) {
+                *value = -((*wi - target).length_squared() + (*wo - target).length_squared());
+            }
+        });
         assert!(value > -1e-4, "{value}");
     }
 }

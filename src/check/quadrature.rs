@@ -44,6 +44,12 @@ const RULE: [([f64; 2], f64, f64); 17] = {
 /// Evaluations that one panel costs.
 pub(super) const POINTS: usize = RULE.len();
 
+/// Panels that are halved at once: their 14 halves have 238 points, a block of an interpreter.
+const HALVED: usize = 7;
+
+/// The share of the worst panel's error that another must have to be halved with it.
+const ALIKE: f64 = 0.1;
+
 /// The integral so far, and the panels that it was taken over.
 pub(super) struct Cubature {
     channels: usize,
@@ -157,13 +163,25 @@ impl Cubature {
         node
     }
 
-    fn measure(&mut self, node: usize, f: &mut impl FnMut([f64; 2], &mut [f64]), values: &mut [f64]) {
+    /// Evaluates the panels of `nodes` at once.
+    fn measure(&mut self, nodes: &[usize], f: &mut impl FnMut(&[[f64; 2]], &mut [f64])) {
+        let mut points = Vec::with_capacity(POINTS * nodes.len());
+        for &node in nodes {
+            let Node { low, high, .. } = self.nodes[node];
+            let half = [0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1])];
+            points.extend(RULE.iter().map(|(o, ..)| [0, 1].map(|axis| low[axis] + half[axis] * (1.0 + o[axis]))));
+        }
+        let mut values = vec![0.0; points.len() * self.channels];
+        f(&points, &mut values);
+        self.evaluations += points.len();
+        for (&node, values) in nodes.iter().zip(values.chunks_exact(POINTS * self.channels)) {
+            self.digest(node, values);
+        }
+    }
+
+    fn digest(&mut self, node: usize, values: &[f64]) {
         let (n, Node { low, high, .. }) = (self.channels, self.nodes[node]);
         let half = [0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1])];
-        for ((offset, ..), value) in RULE.iter().zip(values.chunks_exact_mut(n)) {
-            f([low[0] + half[0] * (1.0 + offset[0]), low[1] + half[1] * (1.0 + offset[1])], value);
-        }
-        self.evaluations += POINTS;
         let area = 4.0 * half[0] * half[1];
         let mut rough = [0.0; 2];
         let mut worst = 0.0f64;
@@ -199,35 +217,57 @@ impl Cubature {
     }
 
     /// Integrates `f` until the error estimates sum to `target` (relative to integrals above 1) or the budget is spent.
-    pub(super) fn run(&mut self, target: f64, evaluations: usize, mut f: impl FnMut([f64; 2], &mut [f64])) {
-        let mut values = vec![0.0; POINTS * self.channels];
-        let mut heap = BinaryHeap::new();
-        let (mut error, mut size) = (0.0, 0.0);
-        for node in 0..self.nodes.len() {
-            if self.nodes[node].cut.is_none() {
-                self.measure(node, &mut f, &mut values);
-                heap.push(Ranked(self.nodes[node].error, node));
-                error += self.nodes[node].error;
-                size += self.size(node);
-            }
+    ///
+    /// `f` is given points in blocks, and writes the channels of one after the other. Several of the worst panels are halved
+    /// at a time, those whose errors are of one magnitude.
+    pub(super) fn run(&mut self, target: f64, evaluations: usize, mut f: impl FnMut(&[[f64; 2]], &mut [f64])) {
+        if self.channels == 0 {
+            return;
         }
-        while error > target * size.max(1.0) && self.evaluations + 2 * POINTS <= evaluations {
-            let Some(Ranked(worst, node)) = heap.pop() else { break };
-            let Node { low, high, axis, .. } = self.nodes[node];
-            let middle = 0.5 * (low[axis] + high[axis]);
-            if !(low[axis] < middle && middle < high[axis]) {
+        let leaves: Vec<usize> = (0..self.nodes.len()).filter(|&node| self.nodes[node].cut.is_none()).collect();
+        for block in leaves.chunks(2 * HALVED) {
+            self.measure(block, &mut f);
+        }
+        let mut heap: BinaryHeap<Ranked> = leaves.iter().map(|&node| Ranked(self.nodes[node].error, node)).collect();
+        let mut error: f64 = leaves.iter().map(|&node| self.nodes[node].error).sum();
+        let mut size: f64 = leaves.iter().map(|&node| self.size(node)).sum();
+        let (mut parents, mut children) = (Vec::new(), Vec::new());
+        let mut divisible = true;
+        while divisible && error > target * size.max(1.0) {
+            parents.clear();
+            children.clear();
+            let (mut most, mut rest) = (0.0, error);
+            while parents.len() < HALVED
+                && self.evaluations + 2 * POINTS * (parents.len() + 1) <= evaluations
+                && rest > target * size.max(1.0)
+            {
+                let Some(Ranked(worst, node)) = heap.pop() else { break };
+                let Node { low, high, axis, .. } = self.nodes[node];
+                let middle = 0.5 * (low[axis] + high[axis]);
+                divisible = low[axis] < middle && middle < high[axis];
+                most = f64::max(most, worst);
+                if !divisible || worst < ALIKE * most {
+                    heap.push(Ranked(worst, node));
+                    break;
+                }
+                let first = self.cut(node, axis, middle);
+                parents.push((node, first));
+                children.extend([first, first + 1]);
+                rest -= worst;
+                size -= self.size(node);
+            }
+            if parents.is_empty() {
                 break;
             }
-            let first = self.cut(node, axis, middle);
-            error -= worst;
-            size -= self.size(node);
-            self.measure(first, &mut f, &mut values);
-            self.measure(first + 1, &mut f, &mut values);
-            self.doubt(node, first);
-            for child in [first, first + 1] {
-                heap.push(Ranked(self.nodes[child].error, child));
-                error += self.nodes[child].error;
-                size += self.size(child);
+            error = rest;
+            self.measure(&children, &mut f);
+            for &(node, first) in &parents {
+                self.doubt(node, first);
+                for child in [first, first + 1] {
+                    heap.push(Ranked(self.nodes[child].error, child));
+                    error += self.nodes[child].error;
+                    size += self.size(child);
+                }
             }
         }
     }
@@ -321,9 +361,11 @@ mod tests {
     fn degree_seven_is_exact() {
         let edges = [-1.0, 0.5, 2.0];
         let mut c = Cubature::new(2, [&edges, &[0.0, 1.0]]);
-        c.run(1e-12, 17 * 2, |[x, y], f| {
-            f[0] = x.powi(4) * y.powi(3);
-            f[1] = 1.0;
+        c.run(1e-12, 17 * 2, |points, f| {
+            for ([x, y], f) in points.iter().zip(f.chunks_exact_mut(2)) {
+                f[0] = x.powi(4) * y.powi(3);
+                f[1] = 1.0;
+            }
         });
         let (value, error) = c.result();
         assert!((value[0] - 33.0 / 5.0 / 4.0).abs() < 1e-13 && (value[1] - 3.0).abs() < 1e-13, "{value:?} {error:?}");
@@ -332,7 +374,11 @@ mod tests {
     #[test]
     fn samples_follow_the_panels() {
         let mut c = Cubature::new(1, [&[0.0, 1.0], &[0.0, 1.0]]);
-        c.run(1e-5, 10_000, |[x, y], f| f[0] = (-((x - 0.3) / 0.05).powi(2) - ((y - 0.6) / 0.1).powi(2)).exp());
+        c.run(1e-5, 10_000, |points, f| {
+            for ([x, y], f) in points.iter().zip(f) {
+                *f = (-((x - 0.3) / 0.05).powi(2) - ((y - 0.6) / 0.1).powi(2)).exp();
+            }
+        });
         let (value, error) = c.result();
         let exact = core::f64::consts::PI * 0.005;
         assert!((value[0] - exact).abs() <= error[0] && error[0] < 1e-4, "{value:?} {error:?}");

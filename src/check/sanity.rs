@@ -2,7 +2,7 @@
 
 use super::pairs::{Class, climb};
 use super::report::{Check, Finding, Place};
-use super::subject::Subject;
+use super::subject::{Pair, Subject};
 use super::verdict::Verdict;
 use crate::frame::Vector;
 
@@ -10,7 +10,11 @@ use crate::frame::Vector;
 /// some thousand times the rounding of numbers near 1.
 const NEGATIVE: [f64; 2] = [1e-12, 1e-4];
 
-type Pair = (Vector<f64>, Vector<f64>);
+/// Pairs that are put to the subject at once.
+const BLOCK: usize = 256;
+
+/// Of the way downhill.
+const GENERATIONS: u32 = 40;
 
 /// Counts of one defect over the classes, and its worst case.
 #[derive(Default)]
@@ -44,43 +48,47 @@ impl Tally {
 pub fn sanity(subject: &dyn Subject, samples: usize, seed: u32) -> (Vec<Finding>, usize) {
     let mut evaluations = 0;
     let mut findings = Vec::new();
-    let mut f = vec![0.0; subject.channels()];
+    let channels = subject.channels().max(1);
     for single in [false, true] {
-        let mut evaluate = |wi: Vector<f64>, wo: Vector<f64>, f: &mut [f64]| {
-            evaluations += 1;
-            if single { narrow(subject, wi, wo, f) } else { wide(subject, wi, wo, f) }
+        let mut evaluate = |pairs: &[Pair]| {
+            evaluations += pairs.len();
+            if single { narrow(subject, pairs) } else { Some(wide(subject, pairs)) }
         };
-        if !evaluate(Vector::new(0.6, 0.0, 0.8), Vector::new(0.0, 0.6, 0.8), &mut f) {
+        if evaluate(&[(Vector::new(0.6, 0.0, 0.8), Vector::new(0.0, 0.6, 0.8))]).is_none() {
             continue;
         }
         let (mut broken, mut negative) = (Tally::default(), Tally::default());
         let mut least: Option<(f64, Pair)> = None;
         for class in Class::ALL {
-            for i in 0..samples {
-                let pair = class.pair(i, seed);
-                evaluate(pair.0, pair.1, &mut f);
-                let mut lowest = f64::INFINITY;
-                for (channel, &f) in f.iter().enumerate() {
-                    if !f.is_finite() {
-                        broken.add(class.name(), pair.0.z.min(pair.1.z), channel, pair);
-                    } else if -f > NEGATIVE[usize::from(single)] {
-                        negative.add(class.name(), -f, channel, pair);
+            for block in (0..samples).step_by(BLOCK) {
+                let pairs: Vec<Pair> = (block..samples.min(block + BLOCK)).map(|i| class.pair(i, seed)).collect();
+                let Some(f) = evaluate(&pairs) else { continue };
+                for (&pair, f) in pairs.iter().zip(f.chunks_exact(channels)) {
+                    for (channel, &f) in f.iter().enumerate() {
+                        if !f.is_finite() {
+                            broken.add(class.name(), pair.0.z.min(pair.1.z), channel, pair);
+                            continue;
+                        }
+                        if -f > NEGATIVE[usize::from(single)] {
+                            negative.add(class.name(), -f, channel, pair);
+                        }
+                        if f < least.map_or(f64::INFINITY, |(f, _)| f) {
+                            least = Some((f, pair));
+                        }
                     }
-                    lowest = lowest.min(if f.is_finite() { f } else { f64::INFINITY });
-                }
-                if lowest < least.map_or(f64::INFINITY, |(f, _)| f) {
-                    least = Some((lowest, pair));
                 }
             }
         }
         // Values below 0 that no sample met are looked for downhill from the least one.
         if let (None, Some((_, start))) = (&negative.worst, least) {
-            let (pair, value) = climb(start, seed, 300, |wi, wo| {
-                evaluate(wi, wo, &mut f);
-                f.iter().filter(|f| f.is_finite()).fold(f64::NEG_INFINITY, |a, f| a.max(-f))
+            let (pair, value) = climb(start, seed, GENERATIONS, |pairs, values| {
+                let f = evaluate(pairs).unwrap_or_default();
+                for (value, f) in values.iter_mut().zip(f.chunks_exact(channels)) {
+                    *value = f.iter().filter(|f| f.is_finite()).fold(f64::NEG_INFINITY, |a, f| a.max(-f));
+                }
             });
             if value > NEGATIVE[usize::from(single)] {
-                evaluate(pair.0, pair.1, &mut f);
+                let f = evaluate(&[pair]).unwrap_or_default();
                 let channel = f.iter().position(|f| -f == value).unwrap_or(0);
                 negative.add("found downhill", value, channel, pair);
             }
@@ -92,19 +100,18 @@ pub fn sanity(subject: &dyn Subject, samples: usize, seed: u32) -> (Vec<Finding>
     (findings, evaluations)
 }
 
-fn wide(subject: &dyn Subject, wi: Vector<f64>, wo: Vector<f64>, f: &mut [f64]) -> bool {
-    f.fill(0.0);
-    subject.evaluate(wi, wo, f);
-    true
+/// f of each pair in double precision.
+fn wide(subject: &dyn Subject, pairs: &[Pair]) -> Vec<f64> {
+    let mut f = vec![0.0; pairs.len() * subject.channels()];
+    subject.evaluate_many(pairs, &mut f);
+    f
 }
 
-fn narrow(subject: &dyn Subject, wi: Vector<f64>, wo: Vector<f64>, f: &mut [f64]) -> bool {
-    let mut single = vec![0.0f32; f.len()];
-    let exists = subject.evaluate_single(wi.cast(), wo.cast(), &mut single);
-    for (f, single) in f.iter_mut().zip(single) {
-        *f = f64::from(single);
-    }
-    exists
+/// f of each pair in single precision, if there is such a thing.
+fn narrow(subject: &dyn Subject, pairs: &[Pair]) -> Option<Vec<f64>> {
+    let pairs: Vec<_> = pairs.iter().map(|(wi, wo)| (wi.cast::<f32>(), wo.cast::<f32>())).collect();
+    let mut f = vec![0.0f32; pairs.len() * subject.channels()];
+    subject.evaluate_single_many(&pairs, &mut f).then(|| f.into_iter().map(f64::from).collect())
 }
 
 fn defect(subject: &dyn Subject, check: Check, single: bool, tally: &Tally, passing: f64, samples: usize) -> Finding {
@@ -130,25 +137,29 @@ fn defect(subject: &dyn Subject, check: Check, single: bool, tally: &Tally, pass
 
 /// What happens at and below the horizon, where f is 0 by this crate's convention and undefined by others.
 fn horizon(subject: &dyn Subject, samples: usize, seed: u32, evaluations: &mut usize) -> Option<Finding> {
-    let mut f = vec![0.0; subject.channels()];
     let (mut broken, mut lit) = (Tally::default(), Tally::default());
-    for i in 0..samples {
-        let (mut wi, mut wo) = Class::ALL[i % Class::ALL.len()].pair(i, seed);
-        match i % 3 {
-            0 => wi.z = -wi.z,
-            1 => wo.z = -wo.z,
-            _ => (wi.z, wo.z) = (-wi.z, -wo.z),
-        }
-        if i % 7 == 0 {
-            (wi.z, wo.z) = (wi.z.max(0.0), wo.z.max(0.0));
-        }
-        *evaluations += 1;
-        wide(subject, wi, wo, &mut f);
-        for (channel, &f) in f.iter().enumerate() {
-            if !f.is_finite() {
-                broken.add("not finite", -wi.z.min(wo.z), channel, (wi, wo));
-            } else if f != 0.0 {
-                lit.add("not 0", f.abs(), channel, (wi, wo));
+    for block in (0..samples).step_by(BLOCK) {
+        let below = |i: usize| {
+            let (mut wi, mut wo) = Class::ALL[i % Class::ALL.len()].pair(i, seed);
+            match i % 3 {
+                0 => wi.z = -wi.z,
+                1 => wo.z = -wo.z,
+                _ => (wi.z, wo.z) = (-wi.z, -wo.z),
+            }
+            if i.is_multiple_of(7) {
+                (wi.z, wo.z) = (wi.z.max(0.0), wo.z.max(0.0));
+            }
+            (wi, wo)
+        };
+        let pairs: Vec<Pair> = (block..samples.min(block + BLOCK)).map(below).collect();
+        *evaluations += pairs.len();
+        for (&(wi, wo), f) in pairs.iter().zip(wide(subject, &pairs).chunks_exact(subject.channels().max(1))) {
+            for (channel, &f) in f.iter().enumerate() {
+                if !f.is_finite() {
+                    broken.add("not finite", -wi.z.min(wo.z), channel, (wi, wo));
+                } else if f != 0.0 {
+                    lit.add("not 0", f.abs(), channel, (wi, wo));
+                }
             }
         }
     }
@@ -171,26 +182,25 @@ fn horizon(subject: &dyn Subject, samples: usize, seed: u32, evaluations: &mut u
 /// Over f > 1e-8 sr⁻¹ and angles up to 89.9°; nothing if the subject has no single-precision instance.
 pub fn precision(subject: &dyn Subject, samples: usize, seed: u32) -> Option<Finding> {
     let grazing = 89.9f64.to_radians().cos();
-    let (mut f, mut g) = (vec![0.0; subject.channels()], vec![0.0; subject.channels()]);
     let mut deviations = Vec::new();
     let mut worst: (f64, usize, Option<Pair>) = (0.0, 0, None);
     for class in Class::ALL {
-        for i in 0..samples {
-            let (wi, wo) = class.pair(i, seed);
-            let (wi, wo) = (wi.cast::<f32>().cast::<f64>(), wo.cast::<f32>().cast::<f64>());
-            if wi.z < grazing || wo.z < grazing {
-                continue;
-            }
-            if !narrow(subject, wi, wo, &mut g) {
-                return None;
-            }
-            wide(subject, wi, wo, &mut f);
-            for (channel, (&f, &g)) in f.iter().zip(&g).enumerate() {
-                if f.is_finite() && g.is_finite() && f.abs() > 1e-8 {
-                    let deviation = ((g - f) / f).abs();
-                    deviations.push(deviation);
-                    if deviation > worst.0 {
-                        worst = (deviation, channel, Some((wi, wo)));
+        for block in (0..samples).step_by(BLOCK) {
+            let pairs: Vec<Pair> = (block..samples.min(block + BLOCK))
+                .map(|i| class.pair(i, seed))
+                .map(|(wi, wo)| (wi.cast::<f32>().cast::<f64>(), wo.cast::<f32>().cast::<f64>()))
+                .filter(|(wi, wo)| wi.z >= grazing && wo.z >= grazing)
+                .collect();
+            let (g, f) = (narrow(subject, &pairs)?, wide(subject, &pairs));
+            let n = subject.channels().max(1);
+            for ((&pair, f), g) in pairs.iter().zip(f.chunks_exact(n)).zip(g.chunks_exact(n)) {
+                for (channel, (&f, &g)) in f.iter().zip(g).enumerate() {
+                    if f.is_finite() && g.is_finite() && f.abs() > 1e-8 {
+                        let deviation = ((g - f) / f).abs();
+                        deviations.push(deviation);
+                        if deviation > worst.0 {
+                            worst = (deviation, channel, Some(pair));
+                        }
                     }
                 }
             }

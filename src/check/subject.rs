@@ -32,6 +32,12 @@ pub trait Subject: Sync {
         }
     }
 
+    /// As [`Subject::evaluate_single`] for each pair, into `f` as [`Subject::evaluate_many`] does.
+    fn evaluate_single_many(&self, pairs: &[(Vector<f32>, Vector<f32>)], f: &mut [f32]) -> bool {
+        let channels = self.channels().max(1);
+        pairs.iter().zip(f.chunks_exact_mut(channels)).all(|(&(wi, wo), f)| self.evaluate_single(wi, wo, f))
+    }
+
     /// Whether the subject draws directions: whether [`Subject::sample`] and [`Subject::pdf`] mean anything.
     fn samples(&self) -> bool {
         false
@@ -138,6 +144,9 @@ impl Fixed {
     }
 }
 
+/// A pair of directions: wi, wo.
+pub(super) type Pair = (Vector<f64>, Vector<f64>);
+
 /// A subject with one of its directions fixed, as a function of the other one.
 #[derive(Clone, Copy)]
 pub(super) struct Section<'a> {
@@ -146,21 +155,66 @@ pub(super) struct Section<'a> {
     pub(super) fixed: Fixed,
 }
 
-impl Section<'_> {
-    /// Writes f with the free direction `v`; returns how many channels were not finite, which then read 0.
-    pub(super) fn evaluate(&self, v: Vector<f64>, f: &mut [f64]) -> usize {
+/// The defects that an integral met on its way: a cubature refines towards them, so it meets what samples miss.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Watch {
+    /// Evaluations at which some channel was not finite, and the first such pair with its channel.
+    pub(super) broken: usize,
+    pub(super) broken_at: Option<(usize, Pair)>,
+    /// The least f below 0, its channel and its pair.
+    pub(super) least: Option<(f64, usize, Pair)>,
+}
+
+impl Watch {
+    /// What both have met.
+    pub(super) fn with(self, other: Watch) -> Watch {
+        let lower = |a: &(f64, usize, Pair), b: &(f64, usize, Pair)| b.0 < a.0;
+        let least = match (self.least, other.least) {
+            (Some(a), Some(b)) => Some(if lower(&a, &b) { b } else { a }),
+            (a, b) => a.or(b),
+        };
+        Watch { broken: self.broken + other.broken, broken_at: self.broken_at.or(other.broken_at), least }
+    }
+}
+
+/// A section that is evaluated in blocks, counted and watched.
+pub(super) struct Probe<'a> {
+    pub(super) section: Section<'a>,
+    pub(super) watch: Watch,
+    pub(super) evaluations: usize,
+    channels: usize,
+    pairs: Vec<Pair>,
+}
+
+impl<'a> Probe<'a> {
+    pub(super) fn new(section: Section<'a>) -> Self {
+        let channels = section.subject.channels().max(1);
+        Probe { section, watch: Watch::default(), evaluations: 0, channels, pairs: Vec::new() }
+    }
+
+    /// Writes f for each free direction, the subject's channels one after the other. What is not finite reads 0.
+    pub(super) fn evaluate(&mut self, free: &[Vector<f64>], f: &mut [f64]) {
+        let Section { subject, direction, fixed } = self.section;
+        self.pairs.clear();
+        self.pairs.extend(free.iter().map(|&v| match fixed {
+            Fixed::View => (v, direction),
+            Fixed::Light => (direction, v),
+        }));
         f.fill(0.0);
-        match self.fixed {
-            Fixed::View => self.subject.evaluate(v, self.direction, f),
-            Fixed::Light => self.subject.evaluate(self.direction, v, f),
-        }
-        let mut broken = 0;
-        for x in f.iter_mut() {
-            if !x.is_finite() {
-                *x = 0.0;
-                broken += 1;
+        subject.evaluate_many(&self.pairs, f);
+        self.evaluations += free.len();
+        for (&pair, f) in self.pairs.iter().zip(f.chunks_exact_mut(self.channels)) {
+            let mut broken = false;
+            for (channel, x) in f.iter_mut().enumerate() {
+                if !x.is_finite() {
+                    *x = 0.0;
+                    broken = true;
+                    self.watch.broken_at.get_or_insert((channel, pair));
+                } else if *x < self.watch.least.map_or(0.0, |(least, ..)| least) && pair.0.z > 0.0 && pair.1.z > 0.0 {
+                    self.watch.least = Some((*x, channel, pair));
+                }
             }
+            self.watch.broken += usize::from(broken);
         }
-        broken
     }
 }

@@ -135,11 +135,11 @@ impl Explorer {
         self.samples
     }
 
-    /// Whether the file is a single term or a debug view, by its name: `d_…`, `g_…`, `f_…` or `show…`, as the public
-    /// collection has it.
+    /// Whether the file is a single term or a debug view, by its name, as the public collection has it: `d_…`, `g_…`,
+    /// `f_…`, `show…`, and `schlick.brdf`, which returns his Fresnel factor alone.
     pub fn is_term(name: &str) -> bool {
         let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
-        ["d_", "g_", "f_", "show"].iter().any(|prefix| file.starts_with(prefix))
+        ["d_", "g_", "f_", "show"].iter().any(|prefix| file.starts_with(prefix)) || file == "schlick.brdf"
     }
 
     /// The profile that fits the file's name: [`Profile::Term`] for [`Explorer::is_term`], else [`Profile::Strict`].
@@ -152,31 +152,41 @@ impl Explorer {
         Member { file: self, values: given.take(self.parameters.len()).collect() }
     }
 
-    /// Runs the shader over rows; NaN from the first error on.
-    fn run<N: Number>(&self, program: &Program<N>, rows: &[Cell<N>], mut result: impl FnMut(usize, Option<N>)) {
-        let count = rows.len() / (6 + self.parameters.len());
-        let cells = if self.failed.load(Ordering::Relaxed) {
-            None
-        } else {
-            match program.run(rows, &mut Buffers::new()) {
-                Ok(cells) => Some(cells),
+    /// Writes three numbers for each pair; `broken` from the first error on.
+    fn run<N: Number>(
+        &self,
+        program: &Program<N>,
+        pairs: &[(Vector<N>, Vector<N>)],
+        values: &[N],
+        f: &mut [N],
+        broken: N,
+    ) {
+        let mut rows = Vec::with_capacity(pairs.len().min(BLOCK) * (6 + values.len()));
+        for (pairs, f) in pairs.chunks(BLOCK).zip(f.chunks_mut(3 * BLOCK)) {
+            f.fill(broken);
+            if self.failed.load(Ordering::Relaxed) {
+                continue;
+            }
+            rows.clear();
+            for (wi, wo) in pairs {
+                rows.extend([wi.x, wi.y, wi.z, wo.x, wo.y, wo.z].map(Cell::Real));
+                rows.extend(values.iter().copied().map(Cell::Real));
+            }
+            match program.run(&rows, &mut Buffers::new()) {
+                Ok(cells) => {
+                    for (f, cell) in f.iter_mut().zip(cells) {
+                        if let Cell::Real(value) = cell {
+                            *f = value;
+                        }
+                    }
+                }
                 Err(error) => {
                     self.failed.store(true, Ordering::Relaxed);
                     if let Ok(mut first) = self.error.lock() {
                         first.get_or_insert_with(|| format!("BRDF: {error}"));
                     }
-                    None
                 }
             }
-        };
-        for index in 0..3 * count {
-            result(
-                index,
-                match cells.as_ref().and_then(|cells| cells.get(index)) {
-                    Some(Cell::Real(value)) => Some(*value),
-                    _ => None,
-                },
-            );
         }
     }
 }
@@ -247,31 +257,17 @@ impl Subject for Member<'_> {
     }
 
     fn evaluate_single(&self, wi: Vector<f32>, wo: Vector<f32>, f: &mut [f32]) -> bool {
-        let directions = [wi.x, wi.y, wi.z, wo.x, wo.y, wo.z];
-        let values = self.values.iter().map(|value| *value as f32);
-        let row: Vec<Cell<f32>> = directions.into_iter().chain(values).map(Cell::Real).collect();
-        self.file.run(&self.file.single, &row, |index, value| {
-            if let Some(f) = f.get_mut(index) {
-                *f = value.unwrap_or(f32::NAN);
-            }
-        });
-        true
+        self.evaluate_single_many(&[(wi, wo)], f)
     }
 
     fn evaluate_many(&self, pairs: &[(Vector<f64>, Vector<f64>)], f: &mut [f64]) {
-        let mut rows = Vec::with_capacity(pairs.len().min(BLOCK) * (6 + self.values.len()));
-        for (pairs, f) in pairs.chunks(BLOCK).zip(f.chunks_mut(3 * BLOCK)) {
-            rows.clear();
-            for (wi, wo) in pairs {
-                rows.extend([wi.x, wi.y, wi.z, wo.x, wo.y, wo.z].map(Cell::Real));
-                rows.extend(self.values.iter().map(|value| Cell::Real(*value)));
-            }
-            self.file.run(&self.file.double, &rows, |index, value| {
-                if let Some(f) = f.get_mut(index) {
-                    *f = value.unwrap_or(f64::NAN);
-                }
-            });
-        }
+        self.file.run(&self.file.double, pairs, &self.values, f, f64::NAN);
+    }
+
+    fn evaluate_single_many(&self, pairs: &[(Vector<f32>, Vector<f32>)], f: &mut [f32]) -> bool {
+        let values: Vec<f32> = self.values.iter().map(|value| *value as f32).collect();
+        self.file.run(&self.file.single, pairs, &values, f, f32::NAN);
+        true
     }
 
     fn notes(&self) -> Vec<String> {

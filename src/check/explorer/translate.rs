@@ -95,6 +95,9 @@ fn to_wgsl(glsl: &str, file: &File) -> Result<String, ExplorerError> {
             let _ = write!(message, ": {next}");
             cause = next.source();
         }
+        if message.contains("does not match the declared return type") {
+            message.push_str("; of a float function a whole number is returned as one too: write 1.0 for 1");
+        }
         match error.spans().next() {
             Some((span, _)) => place(*span, message),
             None => ExplorerError::plain(message),
