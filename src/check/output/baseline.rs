@@ -38,7 +38,7 @@ impl Run {
             let known = baseline.entries.iter().find(same);
             let source = entry.source.clone();
             match (&mut entry.outcome, known.map(|known| &known.outcome)) {
-                (Outcome::Refused { reason, accepted }, Some(Outcome::Refused { .. })) => {
+                (Outcome::Refused { reason, accepted: accepted @ false }, Some(Outcome::Refused { .. })) => {
                     *accepted = true;
                     acceptance.accepted.push(format!("{source}: refused: {reason}"));
                 }

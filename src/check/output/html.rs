@@ -45,6 +45,7 @@ fn class(verdict: &str) -> &'static str {
     match verdict {
         "PASS" => "pass",
         "FAIL" => "fail",
+        "SKIPPED" => "advisory",
         _ => "open",
     }
 }

@@ -1,7 +1,8 @@
 //! Reports as JUnit XML: a test suite a subject, a test case a check.
 //!
 //! A violation is a `failure`. What could not be decided or read is an `error`: a reader of JUnit shows both in red, and an
-//! open question is no pass. What a baseline accepts is `skipped`. Findings that do not bind pass, with their line as output.
+//! open question is no pass. What a baseline accepts, and what is no BRDF,
+//! is `skipped`. Findings that do not bind pass, with their line as output.
 
 use super::svg::escape;
 use super::{Entry, Outcome, Run};
@@ -59,7 +60,7 @@ fn suite(out: &mut String, entry: &Entry) -> Counts {
             let reason = escape(reason);
             let text = if *accepted {
                 counts.skipped = 1;
-                format!("<skipped message=\"accepted by the baseline: {reason}\"/>")
+                format!("<skipped message=\"{reason}\"/>")
             } else {
                 counts.errors = 1;
                 format!("<error type=\"REFUSED\" message=\"{reason}\"/>")

@@ -82,7 +82,7 @@ pub enum Outcome {
     Refused {
         /// One line: what, where, how to mend it.
         reason: String,
-        /// Whether a baseline knows of it.
+        /// Whether that does not count: a baseline knows of it, or it is no BRDF and was met in a folder.
         accepted: bool,
     },
 }
@@ -104,7 +104,7 @@ impl Run {
         self.entries.iter().filter_map(Entry::report)
     }
 
-    /// The subjects that could not be read and that no baseline knows of, with the reason.
+    /// The subjects that could not be read where that counts, with the reason.
     pub fn refused(&self) -> impl Iterator<Item = (&Entry, &str)> {
         self.entries.iter().filter_map(|entry| match &entry.outcome {
             Outcome::Refused { reason, accepted: false } => Some((entry, reason.as_str())),
@@ -140,6 +140,10 @@ impl Run {
         let mut line = format!("{head}: {} judged, {failed} violate, {open} inconclusive", self.reports().count());
         if refused > 0 {
             line.push_str(&format!(", {refused} refused"));
+        }
+        let skipped = self.entries.len() - self.reports().count() - refused;
+        if skipped > 0 {
+            line.push_str(&format!(", {skipped} skipped"));
         }
         if let Some(shard) = self.shard {
             line.push_str(&format!(" (shard {shard} of {} subjects)", self.total));
@@ -185,9 +189,13 @@ impl Entry {
         self.report().map_or(&self.source, |report| &report.subject)
     }
 
-    /// The verdict, or `REFUSED`.
+    /// The verdict; else `REFUSED`, or `SKIPPED` where that does not count.
     pub fn verdict_name(&self) -> &'static str {
-        self.report().map_or("REFUSED", |report| report.verdict().name())
+        match &self.outcome {
+            Outcome::Judged { report, .. } => report.verdict().name(),
+            Outcome::Refused { accepted: false, .. } => "REFUSED",
+            Outcome::Refused { accepted: true, .. } => "SKIPPED",
+        }
     }
 }
 

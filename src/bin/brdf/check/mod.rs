@@ -16,7 +16,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use subjects::{Loaded, Reading, Source};
+use subjects::{Loaded, Reading, Refusal, Source};
 use twins::Twins;
 
 /// What `brdf check` is asked for.
@@ -135,7 +135,10 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
                 Ok(outcome) => Entry { index, source: source.name().to_owned(), kind: loaded.kind, outcome },
                 Err(reason) => Entry::refused(index, source.name(), loaded.kind, reason),
             },
-            Err(reason) => Entry::refused(index, source.name(), source.kind(), reason),
+            Err(Refusal { reason, passed_over }) => {
+                let outcome = Outcome::Refused { reason, accepted: passed_over };
+                Entry { index, source: source.name().to_owned(), kind: String::new(), outcome }
+            }
         };
         run.entries.push(entry);
     }
@@ -201,7 +204,7 @@ fn see(options: &Options, sources: &[Source], at: &place::At, twins: &Twins) -> 
     let [source] = sources else {
         return Err(format!("--at is about one subject, and {} are given", sources.len()).into());
     };
-    let loaded = options.reading.load(source)?;
+    let loaded = options.reading.load(source).map_err(|refusal| refusal.reason)?;
     let values = loaded.judged.values(&[]);
     let verdict = place::print(&mut io::stdout().lock(), &loaded, &values, at, options.seed, twins)?;
     if let Some(fault) = loaded.fault() {

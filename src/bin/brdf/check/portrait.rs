@@ -26,7 +26,7 @@ impl Portrait {
         let [source] = &sources[..] else {
             return Err(format!("a picture is of one subject, and {} are given", sources.len()).into());
         };
-        let loaded = self.reading.load(source)?;
+        let loaded = self.reading.load(source).map_err(|refusal| refusal.reason)?;
         let values = loaded.judged.values(&[]);
         let twins = Twins::open(self.no_twins, self.adapter.as_deref())?;
         let figures = loaded.figures(&values, &twins);

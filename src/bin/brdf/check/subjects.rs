@@ -6,8 +6,9 @@ use crate::failure::Failure;
 use crate::material::{self, AnyStack, Change, Material};
 use brdf::Vector;
 use brdf::check::explorer::Explorer;
-use brdf::check::merl::{self, Merl};
+use brdf::check::merl::Merl;
 use brdf::check::output::Figures;
+use brdf::check::sniff::{Kind, Refused, sniff};
 use brdf::check::{self, Family, Profile, Report, StackSubject, Subject};
 use brdf::gpu::Gpu;
 use brdf::layered::{Model, Widths};
@@ -35,19 +36,31 @@ pub(crate) struct Reading {
 }
 
 /// Something to judge that has not been read.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Source {
     name: String,
+    /// Whether it was met in a folder, where not every file is meant.
+    met: bool,
+}
+
+/// Why a source cannot be judged.
+pub(super) struct Refusal {
+    /// One line.
+    pub(super) reason: String,
+    /// Whether it is not meant to be: no BRDF at all, and met in a folder.
+    pub(super) passed_over: bool,
+}
+
+impl From<String> for Refusal {
+    fn from(reason: String) -> Self {
+        Refusal { reason, passed_over: false }
+    }
 }
 
 impl Source {
     /// What the user calls it.
     pub(super) fn name(&self) -> &str {
         &self.name
-    }
-
-    /// What it is taken for before it is read.
-    pub(super) fn kind(&self) -> &'static str {
-        "unread"
     }
 }
 
@@ -130,20 +143,22 @@ impl Reading {
 
     /// Everything that is asked for, in order of its name: each shard of a run must count alike.
     pub(super) fn sources(&self) -> Result<Vec<Source>, Failure> {
-        let mut names: Vec<String> = Vec::new();
+        let given = |name: String| Source { name, met: false };
+        let mut sources: Vec<Source> = Vec::new();
         if self.subjects.is_empty() {
-            names.extend(material::built_in().into_iter().map(|material| material.name));
+            sources.extend(material::built_in().into_iter().map(|material| given(material.name)));
         }
         for subject in &self.subjects {
             if brdf::material::stack::by_name(subject).is_none() && Path::new(subject).is_dir() {
-                walk(Path::new(subject), &mut names)?;
+                walk(Path::new(subject), &mut sources)?;
             } else {
-                names.push(subject.clone());
+                sources.push(given(subject.clone()));
             }
         }
-        names.sort();
-        names.dedup();
-        Ok(names.into_iter().map(|name| Source { name }).collect())
+        // By name, and what was given before what was met.
+        sources.sort();
+        sources.dedup_by(|later, first| later.name == first.name);
+        Ok(sources)
     }
 
     /// The arguments that name a subject, its parameters set.
@@ -166,20 +181,29 @@ impl Reading {
     }
 
     /// Reads a subject, or says in one line why it cannot be judged.
-    pub(super) fn load(&self, source: &Source) -> Result<Loaded, String> {
+    pub(super) fn load(&self, source: &Source) -> Result<Loaded, Refusal> {
         let name = &source.name;
         if brdf::material::stack::by_name(name).is_some() || !Path::new(name).exists() {
-            return self.load_stack(name);
+            return Ok(self.load_stack(name)?);
         }
         let at = |error: &dyn std::fmt::Display| format!("{name}: {error}");
         let bytes = std::fs::read(name).map_err(|error| at(&error))?;
-        match Format::of(&bytes) {
-            Format::Merl => {
+        let kind = match sniff(&bytes) {
+            // The reader of stacks says better what a torn stack file lacks.
+            Err(Refused::Empty | Refused::Text) if name.ends_with(".toml") => Kind::Stack,
+            Err(refused) => {
+                let passed_over = source.met && !matches!(refused, Refused::NotYet(_));
+                return Err(Refusal { reason: at(&refused), passed_over });
+            }
+            Ok(kind) => kind,
+        };
+        match kind {
+            Kind::Merl => {
                 let merl = Merl::parse(name, &bytes).map_err(|error| at(&error))?;
                 self.without_parameters(name)?;
                 Ok(Loaded::new(Judged::Subject(Box::new(merl)), "MERL"))
             }
-            Format::Explorer => {
+            Kind::Explorer => {
                 let text = String::from_utf8_lossy(&bytes);
                 let explorer = Arc::new(Explorer::parse(name, &text).map_err(|error| at(&error))?);
                 let profile = explorer.profile();
@@ -191,7 +215,8 @@ impl Reading {
                     ..Loaded::new(Judged::Family(family.map_err(|error| at(&error))?), "BRDF Explorer")
                 })
             }
-            Format::Other => self.load_stack(name),
+            Kind::Stack => Ok(self.load_stack(name)?),
+            kind @ (Kind::Wgsl | Kind::Glsl) => Err(at(&format!("{} needs --fn NAME", kind.name())).into()),
         }
     }
 
@@ -217,29 +242,8 @@ impl Reading {
     }
 }
 
-/// What the content of a file is.
-enum Format {
-    Merl,
-    Explorer,
-    Other,
-}
-
-impl Format {
-    /// By content: extensions lie.
-    fn of(bytes: &[u8]) -> Self {
-        let dimensions = bytes.chunks_exact(4).take(3).map(|word| word.try_into().map_or(0, i32::from_le_bytes));
-        let product = dimensions.fold(1i64, |product, n| product.saturating_mul(i64::from(n)));
-        if bytes.len() >= 12 && product == merl::BINS as i64 {
-            return Format::Merl;
-        }
-        let text = String::from_utf8_lossy(bytes.get(..4096).unwrap_or(bytes));
-        let mut words = text.lines().filter(|line| !line.starts_with('#')).flat_map(str::split_whitespace);
-        if matches!(words.next(), Some("analytic" | "bparam")) { Format::Explorer } else { Format::Other }
-    }
-}
-
 /// Adds the files of a folder, its own folders included.
-fn walk(folder: &Path, names: &mut Vec<String>) -> Result<(), Failure> {
+fn walk(folder: &Path, sources: &mut Vec<Source>) -> Result<(), Failure> {
     let at = |error: std::io::Error| format!("{}: {error}", folder.display());
     for entry in std::fs::read_dir(folder).map_err(at)? {
         let path: PathBuf = entry.map_err(at)?.path();
@@ -249,9 +253,9 @@ fn walk(folder: &Path, names: &mut Vec<String>) -> Result<(), Failure> {
             continue;
         }
         if path.is_dir() {
-            walk(&path, names)?;
+            walk(&path, sources)?;
         } else {
-            names.push(path.to_string_lossy().into_owned());
+            sources.push(Source { name: path.to_string_lossy().into_owned(), met: true });
         }
     }
     Ok(())

@@ -24,7 +24,7 @@ pub(crate) fn print(out: &mut impl Write, run: &Run, verbose: bool, acceptance: 
                 }
             }
             Outcome::Judged { report, .. } => line(out, entry, report, colour)?,
-            Outcome::Refused { .. } => writeln!(out, "{:12} {}", "REFUSED", entry.source)?,
+            Outcome::Refused { reason, .. } => writeln!(out, "{:12} {reason}", entry.verdict_name())?,
         }
     }
     if let Some(acceptance) = acceptance {
