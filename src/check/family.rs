@@ -14,6 +14,20 @@ pub enum Scale {
     Switch,
 }
 
+impl Scale {
+    /// Every scale.
+    pub const ALL: [Scale; 3] = [Scale::Linear, Scale::Logarithmic, Scale::Switch];
+
+    /// `linear`, `logarithmic` or `switch`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Scale::Linear => "linear",
+            Scale::Logarithmic => "logarithmic",
+            Scale::Switch => "switch",
+        }
+    }
+}
+
 /// A parameter of a [`Family`], its range, and the value that it has if nobody sets it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {

@@ -152,7 +152,7 @@ fn counterexample(page: &mut String, finding: &Finding) {
     let _ = writeln!(page, "<h3>{}</h3>\n<dl>", escape(&finding.to_string()));
     for (title, text) in finding.details() {
         let text = escape(&text);
-        let text = if title == "cause" { text } else { format!("<code>{text}</code>") };
+        let text = if title == "likely cause" { text } else { format!("<code>{text}</code>") };
         let _ = writeln!(page, "<dt>{title}</dt><dd>{text}</dd>");
     }
     page.push_str("</dl>\n</div>\n");

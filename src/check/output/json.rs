@@ -3,6 +3,7 @@
 use super::figures::{Figures, Grid, Series};
 use super::{Entry, Outcome, Run};
 use crate::check::energy::Albedo;
+use crate::check::family::Parameter;
 use crate::check::report::{Coverage, Finding, Place, Report, Values};
 use crate::frame::Vector;
 use serde_json::{Map, Value, json};
@@ -125,7 +126,17 @@ fn albedo(albedo: &Albedo) -> Value {
 }
 
 fn coverage(coverage: &Coverage) -> Value {
-    let Coverage { seed, budget, evaluations, integrals, pairs, restarts, anisotropic } = coverage;
+    let Coverage { seed, budget, evaluations, integrals, pairs, restarts, anisotropic, parameters, members } = coverage;
+    let parameter = |parameter: &Parameter| {
+        let Parameter { name, low, high, default, scale } = parameter;
+        json!({
+            "name": name,
+            "low": number(*low),
+            "high": number(*high),
+            "default": number(*default),
+            "scale": scale.name(),
+        })
+    };
     json!({
         "seed": seed,
         "budget": budget,
@@ -134,6 +145,8 @@ fn coverage(coverage: &Coverage) -> Value {
         "pairs": pairs,
         "restarts": restarts,
         "anisotropic": anisotropic,
+        "parameters": parameters.iter().map(parameter).collect::<Vec<_>>(),
+        "members": members,
     })
 }
 

@@ -243,9 +243,9 @@ impl std::error::Error for OutputError {}
 
 #[cfg(test)]
 pub(super) mod tests {
-    use super::super::Albedo;
     use super::super::report::{Check, Coverage, Finding, Place, Values};
     use super::super::subject::Fixed;
+    use super::super::{Albedo, Parameter, Scale};
     use super::*;
     use crate::frame::Vector;
 
@@ -274,6 +274,8 @@ pub(super) mod tests {
             values: Some(Values { double: vec![f64::NAN, 0.1 + 0.2], single: vec![1.0], gpu: Vec::new() }),
             ..Finding::new(Check::Sign)
         };
+        let parameters =
+            vec![Parameter { name: "roughness".into(), low: 0.01, high: 1.0, default: 0.5, scale: Scale::Logarithmic }];
         let albedo = Albedo {
             theta: 80.0,
             phi: 0.0,
@@ -291,7 +293,7 @@ pub(super) mod tests {
             channel_names: vec!["r".into(), "g".into()],
             findings: vec![energy, sign],
             albedos: vec![albedo],
-            coverage: Coverage { seed: 3, budget: 4, pairs: 7, ..Coverage::default() },
+            coverage: Coverage { seed: 3, budget: 4, pairs: 7, parameters, members: [9, 2], ..Coverage::default() },
             notes: vec!["16 bins hold no data".into()],
         }
     }

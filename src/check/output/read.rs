@@ -4,6 +4,7 @@ use super::figures::{Figures, Grid, Series};
 use super::json::VERSION;
 use super::{Entry, Outcome, OutputError, Run, Shard};
 use crate::check::energy::Albedo;
+use crate::check::family::{Parameter, Scale};
 use crate::check::report::{Check, Coverage, Finding, Place, Report, Values};
 use crate::check::subject::Fixed;
 use crate::check::verdict::Verdict;
@@ -232,6 +233,23 @@ fn coverage(field: &Field<'_>) -> Result<Coverage> {
         pairs: field.get("pairs")?.whole()?,
         restarts: field.get("restarts")?.whole()?,
         anisotropic: field.get("anisotropic")?.flag()?,
+        parameters: field.get("parameters")?.each(range)?,
+        members: match field.get("members")?.each(|count| count.whole())?[..] {
+            [seen, checked] => [seen, checked],
+            _ => return Err(field.get("members")?.wrong("two whole numbers")),
+        },
+    })
+}
+
+fn range(field: Field<'_>) -> Result<Parameter> {
+    let scale = field.get("scale")?;
+    let named = Scale::ALL.into_iter().find(|one| Some(one.name()) == scale.value.as_str());
+    Ok(Parameter {
+        name: field.get("name")?.text()?,
+        low: field.get("low")?.number()?,
+        high: field.get("high")?.number()?,
+        default: field.get("default")?.number()?,
+        scale: named.ok_or_else(|| scale.wrong("\"linear\", \"logarithmic\" or \"switch\""))?,
     })
 }
 
@@ -321,6 +339,7 @@ mod tests {
             "/reports/0/findings/0",
             "/reports/0/albedos/0",
             "/reports/0/coverage",
+            "/reports/0/coverage/parameters/0",
             "/reports/0/findings/0/place",
             "/reports/0/findings/1/place",
             "/reports/0/findings/1/values",

@@ -28,6 +28,12 @@ pub(crate) struct Options {
     /// not negative alone).
     #[arg(long, value_parser = profile)]
     profile: Option<check::Profile>,
+    /// What an albedo may exceed 1 by.
+    #[arg(long, default_value_t = check::TOLERANCE, value_parser = tolerance)]
+    tolerance: f64,
+    /// Check too that the subject is a distribution of normals, a function of the light that stands for the normal.
+    #[arg(long)]
+    distribution: bool,
     /// Seed of every random choice.
     #[arg(long, default_value_t = 1)]
     seed: u32,
@@ -104,6 +110,13 @@ fn parse_budget(text: &str) -> Result<usize, String> {
     }
 }
 
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(tolerance) if (0.0..=1.0).contains(&tolerance) => Ok(tolerance),
+        _ => Err("must be a number in [0, 1]".to_owned()),
+    }
+}
+
 fn profile(name: &str) -> Result<check::Profile, String> {
     let found = check::Profile::ALL.into_iter().find(|profile| profile.name() == name);
     found.ok_or_else(|| {
@@ -175,6 +188,8 @@ fn judge(
         seed: options.seed,
         budget: options.budget,
         profile: options.profile.or(loaded.profile).unwrap_or_default(),
+        tolerance: options.tolerance,
+        distribution: options.distribution,
         progress: Some(&follow),
         ..check::Options::default()
     };

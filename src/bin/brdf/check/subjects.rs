@@ -201,7 +201,8 @@ impl Reading {
             Kind::Merl => {
                 let merl = Merl::parse(name, &bytes).map_err(|error| at(&error))?;
                 self.without_parameters(name)?;
-                Ok(Loaded::new(Judged::Subject(Box::new(merl)), "MERL"))
+                let profile = Some(Profile::Measured);
+                Ok(Loaded { profile, ..Loaded::new(Judged::Subject(Box::new(merl)), "MERL") })
             }
             Kind::Explorer => {
                 let text = String::from_utf8_lossy(&bytes);
