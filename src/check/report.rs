@@ -22,6 +22,8 @@ pub enum Check {
     Horizon,
     /// Single against double precision. Never binds.
     Precision,
+    /// A GPU against double precision. Never binds. The judge itself runs none: its caller adds it.
+    Gpu,
     /// What [`Subject::sample`](super::Subject::sample) draws against its density, by χ². The value is the p-value.
     Sampling,
     /// The density of samples: finite, not negative, its integral at most 1.
@@ -38,7 +40,7 @@ pub enum Check {
 
 impl Check {
     /// Every check.
-    pub const ALL: [Check; 12] =
+    pub const ALL: [Check; 13] =
         [Check::Energy, Check::Reciprocity, Check::Finite, Check::Sign, Check::Horizon, Check::Precision, Check::Twin];
 
     /// The name in the table.
@@ -50,6 +52,7 @@ impl Check {
             Check::Sign => "SIGN",
             Check::Horizon => "HORIZON",
             Check::Precision => "PRECISION",
+            Check::Gpu => "GPU",
             Check::Sampling => "SAMPLING",
             Check::Density => "DENSITY",
             Check::Weight => "WEIGHT",
@@ -240,7 +243,7 @@ impl Finding {
 
     fn outcome(&self) -> String {
         match (self.binding, self.check) {
-            (false, Check::Horizon | Check::Precision) => "note".into(),
+            (false, Check::Horizon | Check::Precision | Check::Gpu) => "note".into(),
             (false, _) if self.verdict != Verdict::Pass => format!("({})", self.verdict),
             _ if self.accepted => format!("{}, accepted", self.verdict),
             _ => self.verdict.to_string(),
@@ -258,7 +261,7 @@ impl Finding {
             Check::Sign if self.verdict == Verdict::Pass => format!("f ≥ {:.2e}", self.value),
             Check::Twin => format!("{:.0}% used", 100.0 * self.value),
             Check::Sampling => format!("p = {:.1e}", self.value),
-            Check::Reciprocity | Check::Sign | Check::Precision | Check::Weight | Check::Limit => {
+            Check::Reciprocity | Check::Sign | Check::Precision | Check::Gpu | Check::Weight | Check::Limit => {
                 format!("{:.2e}", self.value)
             }
         }

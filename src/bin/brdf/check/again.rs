@@ -7,16 +7,17 @@ use brdf::check::{Finding, Place};
 /// The command line that evaluates the place of a finding; where it has none, the one that repeats the check.
 pub(super) fn command(options: &Options, source: &Source, finding: &Finding) -> String {
     let mut words = vec!["brdf".to_owned(), "check".to_owned()];
-    words.extend(options.reading.arguments(source, &finding.parameters));
+    words.extend(options.reading.arguments(source));
     words.extend(["--seed".to_owned(), options.seed.to_string()]);
+    let parameters: String = finding.parameters.iter().map(|(name, value)| format!(",{name}={value}")).collect();
     match finding.place {
         Place::Everywhere => {}
         Place::Marginal { theta, phi, fixed } => {
-            words.extend(["--at".to_owned(), format!("theta={theta},phi={phi},{}", fixed.name())]);
+            words.extend(["--at".to_owned(), format!("theta={theta},phi={phi},{}{parameters}", fixed.name())]);
         }
         Place::Pair { wi, wo } => {
             let [wi, wo] = [wi, wo].map(|v| format!("{}:{}:{}", v.x, v.y, v.z));
-            words.extend(["--at".to_owned(), format!("wi={wi},wo={wo}")]);
+            words.extend(["--at".to_owned(), format!("wi={wi},wo={wo}{parameters}")]);
         }
     }
     words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")

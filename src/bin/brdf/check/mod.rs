@@ -46,7 +46,8 @@ pub(crate) struct Options {
     /// A JSON report whose findings are known: they are accepted, new and worse ones are not.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
-    /// See one place again: `theta=80,phi=0,light` integrates the albedo, `wi=X:Y:Z,wo=X:Y:Z` evaluates f.
+    /// See one place again: `theta=80,phi=0,light` integrates the albedo, `wi=X:Y:Z,wo=X:Y:Z` evaluates f; parameters follow as
+    /// `,NAME=VALUE`.
     #[arg(long, value_parser = place::At::parse, conflicts_with_all = ["shard", "baseline", "json", "junit", "html"])]
     at: Option<place::At>,
     /// Judge on the CPU alone.
@@ -198,20 +199,22 @@ fn judge(
         return Ok(Err(fault));
     }
     report.findings.extend(twins.finding(loaded)?);
+    let values = worst_member(loaded, &report);
+    twins.add(loaded, &mut report, &values, options.seed);
+    report.notes.extend(loaded.notes.iter().cloned());
     for finding in &mut report.findings {
         finding.again = again::command(options, source, finding);
     }
     let drawn = options.figures || options.files.html.is_some();
-    let figures = drawn.then(|| Box::new(figures(loaded, &report, twins)));
+    let figures = drawn.then(|| Box::new(loaded.figures(&values, twins)));
     Ok(Ok(Outcome::Judged { report: Box::new(report), figures }))
 }
 
-/// Samples of the member that the worst finding is about.
-fn figures(loaded: &Loaded, report: &Report, twins: &Twins) -> Figures {
+/// The parameters of the member that the worst finding is about.
+fn worst_member(loaded: &Loaded, report: &Report) -> Vec<f64> {
     let rank = |finding: &&Finding| (finding.binding, finding.verdict, !finding.parameters.is_empty());
     let worst = report.findings.iter().filter(|finding| finding.verdict != Verdict::Pass).max_by_key(rank);
-    let values = loaded.judged.values(worst.map_or(&[][..], |finding| &finding.parameters));
-    loaded.figures(&values, twins)
+    loaded.judged.values(worst.map_or(&[][..], |finding| &finding.parameters))
 }
 
 /// Evaluates the one place of `--at`.
@@ -220,7 +223,8 @@ fn see(options: &Options, sources: &[Source], at: &place::At, twins: &Twins) -> 
         return Err(format!("--at is about one subject, and {} are given", sources.len()).into());
     };
     let loaded = options.reading.load(source).map_err(|refusal| refusal.reason)?;
-    let values = loaded.judged.values(&[]);
+    let values = loaded.judged.values(&at.parameters);
+    loaded.judged.knows(&at.parameters)?;
     let verdict = place::print(&mut io::stdout().lock(), &loaded, &values, at, options.seed, twins)?;
     if let Some(fault) = loaded.fault() {
         return Err(fault.into());

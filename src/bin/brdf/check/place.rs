@@ -6,9 +6,17 @@ use brdf::Vector;
 use brdf::check::{Effort, Fixed, Subject, TOLERANCE, Verdict, albedo, reciprocity};
 use std::io::{self, Write};
 
-/// A place to see again.
+/// A place to see again, of one member.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct At {
+    pub(super) directions: Directions,
+    /// Values of parameters, by name; the others have their defaults.
+    pub(super) parameters: Vec<(String, f64)>,
+}
+
+/// The directions of a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum At {
+pub(super) enum Directions {
     /// A fixed direction in degrees, whose albedo is integrated.
     Marginal { theta: f64, phi: f64, fixed: Fixed },
     /// A pair of directions.
@@ -16,11 +24,14 @@ pub(super) enum At {
 }
 
 impl At {
-    /// Reads `theta=80,phi=0,light` or `wi=X:Y:Z,wo=X:Y:Z`.
+    /// Reads `theta=80,phi=0,light` or `wi=X:Y:Z,wo=X:Y:Z`, and `NAME=VALUE` of parameters.
     pub(super) fn parse(text: &str) -> Result<Self, String> {
-        let wrong = |what: &str| format!("{what}; want theta=80,phi=0,light (or view), or wi=X:Y:Z,wo=X:Y:Z");
+        let wrong = |what: &str| {
+            format!("{what}; want theta=80,phi=0,light (or view), or wi=X:Y:Z,wo=X:Y:Z; and NAME=VALUE of parameters")
+        };
         let (mut theta, mut phi, mut fixed) = (None, 0.0, None);
         let [mut wi, mut wo] = [None, None];
+        let mut parameters = Vec::new();
         for word in text.split(',') {
             let number = |value: &str| {
                 let number = value.parse::<f64>().ok().filter(|x| x.is_finite());
@@ -40,19 +51,21 @@ impl At {
                 Some(("phi", value)) => phi = number(value)?,
                 Some(("wi", value)) => wi = vector(value)?,
                 Some(("wo", value)) => wo = vector(value)?,
+                Some((name, value)) if !name.is_empty() => parameters.push((name.to_owned(), number(value)?)),
                 None if word == "light" => fixed = Some(Fixed::Light),
                 None if word == "view" => fixed = Some(Fixed::View),
                 _ => return Err(wrong(&format!("`{word}` is not understood"))),
             }
         }
-        match (theta, fixed, wi, wo) {
+        let directions = match (theta, fixed, wi, wo) {
             (Some(theta), Some(fixed), None, None) if (0.0..90.0).contains(&theta) => {
-                Ok(At::Marginal { theta, phi, fixed })
+                Directions::Marginal { theta, phi, fixed }
             }
-            (Some(_), Some(_), None, None) => Err(wrong("theta lies in [0, 90)")),
-            (None, None, Some(wi), Some(wo)) => Ok(At::Pair { wi, wo }),
-            _ => Err(wrong(&format!("`{text}` is no place"))),
-        }
+            (Some(_), Some(_), None, None) => return Err(wrong("theta lies in [0, 90)")),
+            (None, None, Some(wi), Some(wo)) => Directions::Pair { wi, wo },
+            _ => return Err(wrong(&format!("`{text}` is no place"))),
+        };
+        Ok(At { directions, parameters })
     }
 }
 
@@ -70,9 +83,9 @@ pub(super) fn print(
 ) -> io::Result<Verdict> {
     loaded.judged.member(values, |subject| {
         writeln!(out, "{}", subject.name())?;
-        match *at {
-            At::Marginal { theta, phi, fixed } => marginal(out, subject, theta, phi, fixed, seed),
-            At::Pair { wi, wo } => {
+        match at.directions {
+            Directions::Marginal { theta, phi, fixed } => marginal(out, subject, theta, phi, fixed, seed),
+            Directions::Pair { wi, wo } => {
                 let gpu = loaded.on_gpu(values, twins, &[(wi.cast(), wo.cast())]);
                 pair(out, subject, wi, wo, gpu.as_deref())
             }
@@ -151,14 +164,26 @@ mod tests {
 
     #[test]
     fn places_are_read() {
-        let want = At::Marginal { theta: 80.0, phi: 0.0, fixed: Fixed::Light };
-        assert_eq!(At::parse("theta=80,phi=0,light"), Ok(want));
-        assert_eq!(At::parse("light,theta=80"), Ok(want));
+        let directions = Directions::Marginal { theta: 80.0, phi: 0.0, fixed: Fixed::Light };
+        let want = At { directions, parameters: Vec::new() };
+        assert_eq!(At::parse("theta=80,phi=0,light").as_ref(), Ok(&want));
+        assert_eq!(At::parse("light,theta=80").as_ref(), Ok(&want));
+        let parameters = vec![("a.r".to_owned(), 0.3)];
+        assert_eq!(At::parse("light,a.r=0.3,theta=80"), Ok(At { parameters, ..want }));
         let (wi, wo) = (Vector::new(0.6, -0.0, 0.8), Vector::new(0.0, 1e-7, 1.0));
-        assert_eq!(At::parse("wi=0.6:-0:0.8,wo=0:1e-7:1"), Ok(At::Pair { wi, wo }));
-        for bad in
-            ["", "theta=90,light", "theta=x,light", "theta=3", "wi=0:0:1", "wi=0:1,wo=0:0:1", "up", "theta=NaN,view"]
-        {
+        let pair = At::parse("wi=0.6:-0:0.8,wo=0:1e-7:1").map(|at| at.directions);
+        assert_eq!(pair, Ok(Directions::Pair { wi, wo }));
+        for bad in [
+            "",
+            "theta=90,light",
+            "theta=x,light",
+            "theta=3",
+            "wi=0:0:1",
+            "wi=0:1,wo=0:0:1",
+            "up",
+            "theta=NaN,view",
+            "=1,theta=0,view",
+        ] {
             let error = At::parse(bad).expect_err(bad);
             assert!(error.contains("want theta="), "{bad}: {error}");
         }

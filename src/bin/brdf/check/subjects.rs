@@ -84,6 +84,8 @@ pub(super) struct Loaded {
     pub(super) profile: Option<Profile>,
     /// What went wrong while it was evaluated, asked for after the checks.
     pub(super) fault: Option<Box<dyn Fn() -> Option<String>>>,
+    /// What was assumed when it was read, one line each.
+    pub(super) notes: Vec<String>,
     /// Runs the member with these values on an adapter.
     pub(super) gpu: Option<Box<RunOnGpu>>,
 }
@@ -92,8 +94,8 @@ pub(super) struct Loaded {
 type RunOnGpu = dyn Fn(&Gpu, &[f64], &[(Vector<f32>, Vector<f32>)]) -> Option<Vec<f32>>;
 
 impl Loaded {
-    fn new(judged: Judged, kind: impl Into<String>) -> Self {
-        Loaded { judged, kind: kind.into(), stack: None, profile: None, fault: None, gpu: None }
+    pub(super) fn new(judged: Judged, kind: impl Into<String>) -> Self {
+        Loaded { judged, kind: kind.into(), stack: None, profile: None, fault: None, notes: Vec::new(), gpu: None }
     }
 
     /// The first error of an evaluation, if there was one.
@@ -122,7 +124,7 @@ impl Loaded {
 }
 
 /// A family that others look at as well.
-struct Shared<F>(Arc<F>);
+pub(super) struct Shared<F>(pub(super) Arc<F>);
 
 impl<F: Family + Send> Family for Shared<F> {
     fn name(&self) -> String {
@@ -161,15 +163,14 @@ impl Reading {
         Ok(sources)
     }
 
-    /// The arguments that name a subject, its parameters set.
-    pub(super) fn arguments(&self, source: &Source, parameters: &[(String, f64)]) -> Vec<String> {
+    /// The arguments that name a subject and say how it is read.
+    pub(super) fn arguments(&self, source: &Source) -> Vec<String> {
         let mut words = vec![source.name.clone()];
         for range in &self.ranges {
             words.extend(["--range".to_owned(), range.clone()]);
         }
-        let pinned = parameters.iter().map(|(name, value)| format!("{name}={value}"));
-        for value in self.values.iter().cloned().chain(pinned) {
-            words.extend(["--param".to_owned(), value]);
+        for value in &self.values {
+            words.extend(["--param".to_owned(), value.clone()]);
         }
         if let Some(model) = self.model {
             words.extend(["--model".to_owned(), model.name().to_owned()]);
@@ -296,6 +297,25 @@ impl Judged {
             found.map_or(parameter.default, |(_, value)| *value)
         };
         parameters.iter().map(value).collect()
+    }
+
+    /// Refuses values of parameters that there are not, or beyond their range.
+    pub(super) fn knows(&self, named: &[(String, f64)]) -> Result<(), String> {
+        let parameters = self.family().map_or(&[][..], Family::parameters);
+        for (name, value) in named {
+            match parameters.iter().find(|parameter| parameter.name == *name) {
+                Some(parameter) if (parameter.low..=parameter.high).contains(value) => {}
+                Some(parameter) => {
+                    return Err(format!("--at: {name}={value} lies outside of {}..{}", parameter.low, parameter.high));
+                }
+                None => {
+                    let known: Vec<&str> = parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+                    let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+                    return Err(format!("--at: `{name}` is no open parameter; there are {known}"));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Does something with the member that has these values.

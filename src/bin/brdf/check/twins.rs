@@ -2,7 +2,9 @@
 
 use super::subjects::Loaded;
 use crate::failure::Failure;
-use brdf::check::{Check, Finding, Place, Verdict};
+use brdf::Vector;
+use brdf::check::pairs::Class;
+use brdf::check::{Check, Finding, Place, Report, Verdict};
 use brdf::gpu::Gpu;
 use brdf::parity::{Comparison, compare_stack, stack_twin};
 
@@ -39,6 +41,76 @@ impl Twins {
             return Ok(None);
         }
         Ok(Some(finding(&compare_stack(gpu, &stack.three_single(), SAMPLES)?, gpu)))
+    }
+}
+
+/// Pairs of directions of each class that a GPU is tried on.
+const PAIRS: usize = 512;
+
+/// f below which no relative deviation is formed, in sr⁻¹, and the cosine below which no pair is taken: as the check of f32
+/// has them.
+const FAINT: f64 = 1e-8;
+const GRAZING: f64 = 1.745e-3;
+
+impl Twins {
+    /// f on the GPU at the pairs of findings, and how far it is off f64 for the member with these values.
+    pub(super) fn add(&self, loaded: &Loaded, report: &mut Report, values: &[f64], seed: u32) {
+        for finding in &mut report.findings {
+            if let (Place::Pair { wi, wo }, Some(known)) = (finding.place, &mut finding.values) {
+                let values = loaded.judged.values(&finding.parameters);
+                known.gpu = loaded
+                    .on_gpu(&values, self, &[(wi.cast(), wo.cast())])
+                    .map(|f| f.into_iter().map(f64::from).collect())
+                    .unwrap_or_default();
+            }
+        }
+        report.findings.extend(self.deviation(loaded, values, seed));
+    }
+
+    fn deviation(&self, loaded: &Loaded, values: &[f64], seed: u32) -> Option<Finding> {
+        let narrow: Vec<(Vector<f32>, Vector<f32>)> = Class::ALL
+            .iter()
+            .flat_map(|class| (0..PAIRS).map(|i| class.pair(i, seed)))
+            .filter(|(wi, wo)| wi.z.min(wo.z) > GRAZING)
+            .map(|(wi, wo)| (wi.cast(), wo.cast()))
+            .collect();
+        let got = loaded.on_gpu(values, self, &narrow)?;
+        let wide: Vec<(Vector<f64>, Vector<f64>)> = narrow.iter().map(|(wi, wo)| (wi.cast(), wo.cast())).collect();
+        let (channels, want) = loaded.judged.member(values, |subject| {
+            let mut f = vec![0.0; wide.len() * subject.channels()];
+            subject.evaluate_many(&wide, &mut f);
+            (subject.channels().max(1), f)
+        });
+        let mut deviations = Vec::new();
+        let mut worst: Option<(f64, usize)> = None;
+        let mut broken = 0;
+        for (index, (&want, &got)) in want.iter().zip(&got).enumerate() {
+            broken += usize::from(want.is_finite() && !got.is_finite());
+            if want.is_finite() && got.is_finite() && want.abs() > FAINT {
+                let deviation = ((f64::from(got) - want) / want).abs();
+                deviations.push(deviation);
+                if worst.is_none_or(|(most, _)| deviation > most) {
+                    worst = Some((deviation, index));
+                }
+            }
+        }
+        deviations.sort_by(f64::total_cmp);
+        let (value, index) = worst?;
+        let &(wi, wo) = wide.get(index / channels)?;
+        let median = deviations.get(deviations.len() / 2).copied().unwrap_or(0.0);
+        let lost = if broken > 0 { format!(", {broken} not finite where f64 is") } else { String::new() };
+        let name = loaded.judged.member(values, |subject| subject.channel_name(index % channels));
+        Some(Finding {
+            single: true,
+            verdict: Verdict::Pass,
+            binding: false,
+            value,
+            limit: f64::INFINITY,
+            place: Place::Pair { wi, wo },
+            channel: Some((index % channels, name)),
+            note: format!("worst relative deviation from f64, median {median:.1e}{lost}"),
+            ..Finding::new(Check::Gpu)
+        })
     }
 }
 
