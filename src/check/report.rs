@@ -40,8 +40,21 @@ pub enum Check {
 
 impl Check {
     /// Every check.
-    pub const ALL: [Check; 13] =
-        [Check::Energy, Check::Reciprocity, Check::Finite, Check::Sign, Check::Horizon, Check::Precision, Check::Twin];
+    pub const ALL: [Check; 13] = [
+        Check::Energy,
+        Check::Reciprocity,
+        Check::Finite,
+        Check::Sign,
+        Check::Horizon,
+        Check::Precision,
+        Check::Gpu,
+        Check::Sampling,
+        Check::Density,
+        Check::Weight,
+        Check::Limit,
+        Check::Normalisation,
+        Check::Twin,
+    ];
 
     /// The name in the table.
     pub const fn name(self) -> &'static str {
