@@ -18,7 +18,7 @@ struct Level {
 }
 
 /// Refuses text that would exhaust the stack of who parses it.
-pub(super) fn bounded(source: &str) -> Result<(), ShaderError> {
+pub(crate) fn bounded(source: &str) -> Result<(), ShaderError> {
     let refuse = |at: usize, what: String| {
         let line = 1 + source.get(..at).unwrap_or_default().matches('\n').count();
         Err(ShaderError::plain(format!("line {line}: {what}")))

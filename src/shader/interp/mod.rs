@@ -46,6 +46,7 @@ mod program;
 mod retype;
 mod words;
 
+pub(crate) use depth::bounded;
 pub use error::InterpError;
 #[doc(hidden)]
 pub use number::{Number, Whole};
