@@ -38,6 +38,8 @@ mod quadrature;
 pub mod reciprocity;
 pub mod report;
 pub mod sanity;
+#[cfg(feature = "shader")]
+pub mod shader;
 mod stack;
 pub mod subject;
 pub mod verdict;

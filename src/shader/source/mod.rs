@@ -20,6 +20,7 @@ mod macros;
 mod preprocess;
 mod reach;
 
+pub(crate) use compile::type_name;
 pub use compile::{Compiled, Entry, Input};
 pub use error::{Place, SourceError};
 
