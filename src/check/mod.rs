@@ -46,6 +46,8 @@ pub mod report;
 pub mod sampling;
 pub mod sanity;
 mod search;
+#[cfg(feature = "shader")]
+pub mod shader;
 pub mod sniff;
 mod stack;
 pub mod subject;

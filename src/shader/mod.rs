@@ -8,6 +8,7 @@ mod count;
 pub mod interp;
 mod kernel;
 mod signature;
+pub mod source;
 
 pub use crate::wgsl::{specialise, specialise_scene};
 pub use count::Counts;

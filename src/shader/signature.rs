@@ -140,8 +140,14 @@ impl Type {
         }
     }
 
+    /// A scalar, or a vector where there is a size.
+    pub(super) fn of_value(size: Option<naga::VectorSize>, scalar: naga::Scalar) -> Result<Self, String> {
+        let scalar = scalar_of(scalar)?;
+        Ok(size.map_or(Type::Scalar(scalar), |size| Type::Vector { size: size as usize, scalar }))
+    }
+
     /// The flattened form of a type of naga's, or what kind of type it is that has none.
-    fn of(module: &naga::Module, handle: naga::Handle<naga::Type>) -> Result<Self, String> {
+    pub(super) fn of(module: &naga::Module, handle: naga::Handle<naga::Type>) -> Result<Self, String> {
         let ty = &module.types[handle];
         match &ty.inner {
             naga::TypeInner::Scalar(scalar) => Ok(Type::Scalar(scalar_of(*scalar)?)),

@@ -46,7 +46,6 @@ mod program;
 mod retype;
 mod words;
 
-#[cfg(feature = "check")]
 pub(crate) use depth::bounded;
 pub use error::InterpError;
 #[doc(hidden)]

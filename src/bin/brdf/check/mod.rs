@@ -4,6 +4,7 @@ mod again;
 mod pinned;
 mod place;
 pub(crate) mod portrait;
+mod shaders;
 pub(crate) mod subjects;
 pub(crate) mod terminal;
 mod twins;

@@ -69,9 +69,10 @@ impl Shaders {
         values: &[String],
         ranges: &[String],
     ) -> Result<Loaded, String> {
-        let function = self.function.clone().ok_or_else(|| {
-            format!("{path}: --fn NAME is missing: which function of the shader is the BRDF?")
-        })?;
+        let function = self
+            .function
+            .clone()
+            .ok_or_else(|| format!("{path}: --fn NAME is missing: which function of the shader is the BRDF?"))?;
         let language = match (&self.wgsl, &self.glsl) {
             (Some(_), _) => Language::Wgsl,
             (_, Some(_)) => Language::Glsl,

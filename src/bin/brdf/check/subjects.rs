@@ -1,6 +1,7 @@
 //! What to judge, from the arguments: built-in materials, files, folders of files.
 
 use super::pinned::pin;
+use super::shaders::Shaders;
 use super::twins::Twins;
 use crate::failure::Failure;
 use crate::material::{self, AnyStack, Change, Material};
@@ -8,6 +9,7 @@ use brdf::Vector;
 use brdf::check::explorer::Explorer;
 use brdf::check::merl::Merl;
 use brdf::check::output::Figures;
+use brdf::check::shader::Language;
 use brdf::check::sniff::{Kind, Refused, sniff};
 use brdf::check::{self, Family, Profile, Report, StackSubject, Subject};
 use brdf::gpu::Gpu;
@@ -33,6 +35,8 @@ pub(crate) struct Reading {
     /// Search a parameter over this range, each magnitude alike with `:log`.
     #[arg(long = "range", value_name = "NAME=LO..HI[:log]")]
     ranges: Vec<String>,
+    #[command(flatten)]
+    shaders: Shaders,
 }
 
 /// Something to judge that has not been read.
@@ -147,7 +151,9 @@ impl Reading {
     pub(super) fn sources(&self) -> Result<Vec<Source>, Failure> {
         let given = |name: String| Source { name, met: false };
         let mut sources: Vec<Source> = Vec::new();
-        if self.subjects.is_empty() {
+        if let Some(file) = self.shaders.file() {
+            sources.push(given(file.clone()));
+        } else if self.subjects.is_empty() {
             sources.extend(material::built_in().into_iter().map(|material| given(material.name)));
         }
         for subject in &self.subjects {
@@ -165,7 +171,7 @@ impl Reading {
 
     /// The arguments that name a subject and say how it is read.
     pub(super) fn arguments(&self, source: &Source) -> Vec<String> {
-        let mut words = vec![source.name.clone()];
+        let mut words = self.shaders.arguments(&source.name);
         for range in &self.ranges {
             words.extend(["--range".to_owned(), range.clone()]);
         }
@@ -184,6 +190,9 @@ impl Reading {
     /// Reads a subject, or says in one line why it cannot be judged.
     pub(super) fn load(&self, source: &Source) -> Result<Loaded, Refusal> {
         let name = &source.name;
+        if self.shaders.file().is_some() {
+            return Ok(self.shaders.load(name, Language::Wgsl, &self.values, &self.ranges)?);
+        }
         if brdf::material::stack::by_name(name).is_some() || !Path::new(name).exists() {
             return Ok(self.load_stack(name)?);
         }
@@ -218,7 +227,8 @@ impl Reading {
                 })
             }
             Kind::Stack => Ok(self.load_stack(name)?),
-            kind @ (Kind::Wgsl | Kind::Glsl) => Err(at(&format!("{} needs --fn NAME", kind.name())).into()),
+            Kind::Wgsl => Ok(self.shaders.load(name, Language::Wgsl, &self.values, &self.ranges)?),
+            Kind::Glsl => Ok(self.shaders.load(name, Language::Glsl, &self.values, &self.ranges)?),
         }
     }
 

@@ -1,0 +1,288 @@
+//! Shaders as renderers write them, put before the judge: what is read, what is assumed, and what is refused where.
+
+#![cfg(all(feature = "check", feature = "shader"))]
+
+use brdf::check::shader::{Language, Options, Returns, ShaderFamily, sniff};
+use brdf::check::{Family, Subject};
+use brdf::frame::Vector;
+use std::f64::consts::PI;
+use std::path::PathBuf;
+
+fn options(function: &str) -> Options {
+    Options { function: function.into(), ..Options::default() }
+}
+
+fn strings(texts: &[&str]) -> Vec<String> {
+    texts.iter().map(|text| (*text).to_owned()).collect()
+}
+
+fn direction(theta: f64, phi: f64) -> Vector<f64> {
+    Vector::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
+}
+
+/// f of a family with these values, checked to be the same one at a time, many at a time and, nearly, in f32.
+fn f(family: &ShaderFamily, values: &[f64], wi: Vector<f64>, wo: Vector<f64>) -> Vec<f64> {
+    let subject = family.subject(values);
+    let mut one = vec![0.0; subject.channels()];
+    subject.evaluate(wi, wo, &mut one);
+    let mut many = vec![0.0; 300 * subject.channels()];
+    subject.evaluate_many(&vec![(wi, wo); 300], &mut many);
+    assert_eq!(many[many.len() - one.len()..], one[..]);
+    let single = |v: Vector<f64>| Vector::new(v.x as f32, v.y as f32, v.z as f32);
+    let mut rounded = vec![0.0; subject.channels()];
+    assert!(subject.evaluate_single(single(wi), single(wo), &mut rounded));
+    for (a, b) in one.iter().zip(&rounded) {
+        // Lobes of α ≥ .1: rounding of 1-NoH² costs 2⁻²³/α² at most, some rounding steps more.
+        assert!((a - f64::from(*b)).abs() <= 2e-4 * a.abs().max(1e-3), "{a} {b}");
+    }
+    assert_eq!(family.error(), None);
+    one
+}
+
+/// GGX with height-correlated Smith, α, F = 1.
+fn ggx(alpha: f64, wi: Vector<f64>, wo: Vector<f64>) -> f64 {
+    let h = (wi + wo) * (1.0 / (wi + wo).length());
+    let a2 = alpha * alpha;
+    let d = a2 / (PI * (h.z * h.z * (a2 - 1.0) + 1.0).powi(2));
+    let lambda = |a: f64, b: f64| a * (b * b * (1.0 - a2) + a2).sqrt();
+    d * 0.5 / (lambda(wi.z, wo.z) + lambda(wo.z, wi.z))
+}
+
+fn near(value: f64, want: f64, relative: f64) {
+    assert!((value - want).abs() <= relative * want.abs(), "{value} is not {want}");
+}
+
+const FILAMENT: &str = include_str!("check_shader/engine.glsl");
+const THREE: &str = include_str!("check_shader/chunk.glsl.js");
+const BEVY: &str = include_str!("check_shader/lighting.wgsl");
+const VIEWER: &str = include_str!("check_shader/viewer.frag");
+
+#[test]
+fn languages_are_told_by_content() {
+    assert_eq!(sniff(FILAMENT), Some(Language::Glsl));
+    assert_eq!(sniff(THREE), Some(Language::Glsl));
+    assert_eq!(sniff(VIEWER), Some(Language::Glsl));
+    assert_eq!(sniff(BEVY), Some(Language::Wgsl));
+    assert_eq!(sniff("analytic\n::begin parameters\n"), None);
+    assert_eq!(sniff("\u{0}\u{1}"), None);
+}
+
+#[test]
+fn engine_functions_of_cosines() {
+    let (wi, wo) = (direction(0.6, 0.3), direction(0.9, 2.5));
+    let family = ShaderFamily::from_source("engine.glsl", FILAMENT, &options("D_GGX")).unwrap();
+    assert_eq!(family.signature(), "float D_GGX(float roughness, float NoH, vec3 h)");
+    assert!(family.notes()[0].contains("NoH = n·h") && family.notes()[0].contains("h = h"), "{:?}", family.notes());
+    assert_eq!(family.parameters()[0].name, "roughness");
+    let h = (wi + wo) * (1.0 / (wi + wo).length());
+    let a2 = 0.25 * 0.25;
+    near(f(&family, &[0.25], wi, wo)[0], a2 / (PI * (h.z * h.z * (a2 - 1.0) + 1.0).powi(2)), 1e-6);
+
+    // A struct of the engine, members by path; one overload of two by its types.
+    let family = ShaderFamily::from_source("engine.glsl", FILAMENT, &options("isotropicLobe")).unwrap();
+    let names: Vec<_> = family.parameters().iter().map(|p| p.name.as_str()).collect();
+    assert_eq!(names, ["pixel.roughness", "pixel.f0"]);
+    near(f(&family, &[0.3, 1.0], wi, wo)[1], ggx(0.3, wi, wo), 1e-6);
+    let error = ShaderFamily::from_source("engine.glsl", FILAMENT, &options("F_Schlick")).unwrap_err();
+    assert!(error.message().contains("several `F_Schlick`"), "{error}");
+    let mut chosen = options("F_Schlick(vec3, float)");
+    chosen.maps = strings(&["u=l_dot_h"]);
+    let family = ShaderFamily::from_source("engine.glsl", FILAMENT, &chosen).unwrap();
+    let u = wi.dot(h);
+    near(f(&family, &[0.04], wi, wo)[0], 0.04 + 0.96 * (1.0 - u).powi(5), 1e-6);
+    // No parameters at all.
+    let family = ShaderFamily::from_source("engine.glsl", FILAMENT, &options("Fd_Lambert")).unwrap();
+    near(f(&family, &[], wi, wo)[0], 1.0 / PI, 1e-6);
+}
+
+#[test]
+fn chunks_within_scripts() {
+    let (wi, wo) = (direction(0.6, 0.3), direction(0.9, 2.5));
+    let mut asked = options("BRDF_GGX");
+    asked.values = strings(&["material.specularF90=1"]);
+    let family = ShaderFamily::from_source("chunk.glsl.js", THREE, &asked).unwrap();
+    assert_eq!(family.channels(), 3);
+    let names: Vec<_> = family.parameters().iter().map(|p| p.name.as_str()).collect();
+    assert_eq!(names, ["material.specularColor", "material.roughness"]);
+    near(f(&family, &[1.0, 0.5], wi, wo)[2], ggx(0.25, wi, wo), 1e-5);
+    // The sum of two members of an inout parameter, in which the cosine and a light are.
+    let mut asked = options("RE_Direct");
+    asked.result = Some("reflected.directDiffuse+reflected.directSpecular".into());
+    asked.returns = Returns::Cosine;
+    asked.values = strings(&["material.diffuseColor=0"]);
+    let family = ShaderFamily::from_source("chunk.glsl.js", THREE, &asked).unwrap();
+    near(f(&family, &[1.0, 0.5], wi, wo)[2], ggx(0.25, wi, wo), 1e-5);
+}
+
+#[test]
+fn uniforms_and_varyings_are_parameters() {
+    let (wi, wo) = (direction(0.6, 0.3), direction(0.9, 2.5));
+    let family = ShaderFamily::from_source("viewer.frag", VIEWER, &options("specular")).unwrap();
+    let names: Vec<_> = family.parameters().iter().map(|p| p.name.as_str()).collect();
+    assert_eq!(names, ["u_RoughnessFactor"]);
+    assert!(family.notes()[0].contains("v_Normal = n"), "{:?}", family.notes());
+    near(f(&family, &[0.5], wi, wo)[0], ggx(0.25, wi, wo), 1e-5);
+    let mut asked = options("specular");
+    asked.defines = strings(&["SQUARED=0"]);
+    asked.ranges = strings(&["u_RoughnessFactor=0.1..0.9:log"]);
+    asked.values = strings(&["u_RoughnessFactor=0.3"]);
+    let family = ShaderFamily::from_source("viewer.frag", VIEWER, &asked).unwrap();
+    assert_eq!(family.parameters()[0].default, 0.3);
+    near(f(&family, &[0.3], wi, wo)[0], ggx(0.3, wi, wo), 1e-5);
+    // What samples a texture is refused where it does.
+    let error = ShaderFamily::from_source("viewer.frag", VIEWER, &options("textured")).unwrap_err();
+    let line = 1 + VIEWER.lines().position(|line| line.contains("texture(u_Map")).unwrap() as u32;
+    assert_eq!(error.place().map(|place| place.line), Some(line), "{error}");
+    assert!(error.message().contains("`u_Map`, a texture"), "{error}");
+}
+
+#[test]
+fn modules_with_imports() {
+    let (wi, wo) = (direction(0.6, 0.3), direction(0.9, 2.5));
+    // What the function does not reach may be missing.
+    let family = ShaderFamily::from_source("lighting.wgsl", BEVY, &options("D_GGX")).unwrap();
+    assert_eq!(family.signature(), "fn D_GGX(roughness: f32, NdotH: f32) -> f32");
+    let h = (wi + wo) * (1.0 / (wi + wo).length());
+    let a2 = 0.25 * 0.25;
+    near(f(&family, &[0.25], wi, wo)[0], a2 / (PI * (h.z * h.z * (a2 - 1.0) + 1.0).powi(2)), 1e-6);
+    let error = ShaderFamily::from_source("lighting.wgsl", BEVY, &options("lit")).unwrap_err();
+    assert!(error.message().contains("`maths::half_of` is imported from `engine::maths::half_of`, which is not found"), "{error}");
+    assert!(error.place().is_some());
+    let mut asked = options("lit");
+    asked.include = vec![PathBuf::from("tests/check_shader")];
+    let family = ShaderFamily::from_source("lighting.wgsl", BEVY, &asked).unwrap();
+    // Both the pointer to the engine's struct and the uniform behind it are filled.
+    let names: Vec<_> = family.parameters().iter().map(|p| p.name.as_str()).collect();
+    assert_eq!(names, ["input.roughness", "input.F0_"]);
+    near(f(&family, &[0.3, 1.0], wi, wo)[0], ggx(0.3, wi, wo), 1e-12);
+    // The crate's own library by WESL's imports.
+    let own = "import brdf::distribution;\nfn d(n_dot_h: f32, alpha: f32) -> f32 { return distribution::ggx(n_dot_h, alpha); }";
+    let family = ShaderFamily::from_source("own.wgsl", own, &options("d")).unwrap();
+    near(f(&family, &[0.25], wi, wo)[0], a2 / (PI * (h.z * h.z * (a2 - 1.0) + 1.0).powi(2)), 1e-12);
+}
+
+#[test]
+fn conventions_are_undone() {
+    let (wi, wo) = (direction(1.1, 0.3), direction(0.9, 2.5));
+    for (body, returns) in [("1.0 / PI", "f"), ("max(l.z, 0.0) / PI", "fcos"), ("l.z", "pifcos")] {
+        let source = format!("const PI = 3.141592653589793;\nfn f(l: vec3f, v: vec3f) -> f32 {{ return {body}; }}");
+        let asked = Options { returns: returns.parse().unwrap(), ..options("f") };
+        let family = ShaderFamily::from_source("a.wgsl", &source, &asked).unwrap();
+        near(f(&family, &[], wi, wo)[0], 1.0 / PI, 1e-14);
+    }
+    assert!("cos".parse::<Returns>().unwrap_err().contains("f, fcos, pifcos"));
+}
+
+#[test]
+fn overrides_and_private_variables() {
+    let source = "
+        override gain = 2.0;
+        override bias: f32 = 1.0;
+        override slope: f32;
+        var<private> shift: f32 = 0.25;
+        @group(0) @binding(0) var<uniform> table: array<vec4f, 2>;
+        fn f(wi: vec3f, wo: vec3f) -> f32 { return gain * wi.z + bias + slope + shift + table[1].w; }";
+    let mut asked = options("f");
+    let error = ShaderFamily::from_source("a.wgsl", source, &asked).unwrap_err();
+    assert!(error.message().contains("it is not clear what `slope`, `table[0]`, `table[1]` of `fn f("), "{error}");
+    asked.values = strings(&["slope=3", "table[0]=0", "table[1]=1,2,3,4", "bias=0.5"]);
+    let family = ShaderFamily::from_source("a.wgsl", source, &asked).unwrap();
+    let up = direction(0.0, 0.0);
+    assert_eq!(f(&family, &[], up, up), [2.0 + 0.5 + 3.0 + 0.25 + 4.0]);
+    assert!(family.notes().iter().any(|note| note.starts_with("shift: its own value")), "{:?}", family.notes());
+}
+
+#[test]
+fn a_negated_light_and_switches() {
+    let source = "float f(vec3 rayDir, vec3 V, bool on, int n) { return on ? max(-rayDir.z, 0.0) * float(n) : 0.0; }";
+    let mut asked = options("f");
+    asked.maps = strings(&["rayDir=-wi"]);
+    asked.values = strings(&["on=true"]);
+    asked.ranges = strings(&["n=1..3"]);
+    let family = ShaderFamily::from_source("a.glsl", source, &asked).unwrap();
+    let up = direction(0.0, 0.0);
+    assert_eq!(f(&family, &[2.0], up, up), [2.0]);
+}
+
+#[test]
+fn nothing_that_is_not_a_number_is_lost() {
+    let source = "float f(vec3 l, vec3 v) { float x = 0.0 / (l.z - l.z); return isnan(x) && !isinf(x) && isinf(1.0 / (v.z - v.z)) ? 3.0 : x; }";
+    let family = ShaderFamily::from_source("a.glsl", source, &options("f")).unwrap();
+    assert_eq!(f(&family, &[], direction(0.1, 0.0), direction(0.2, 0.0)), [3.0]);
+}
+
+/// A source, what is asked of it, and how the error begins.
+#[test]
+fn errors_name_the_users_place() {
+    let wgsl = "fn f(l: vec3f, v: vec3f) -> f32 { return l.z; }";
+    for (name, source, asked, want) in [
+        ("a.txt", "no shader", options("f"), "a.txt: neither WGSL nor GLSL"),
+        ("a.wgsl", wgsl, options("g"), "a.wgsl: no function `g`: the file has f"),
+        ("a.wgsl", wgsl, options(""), "a.wgsl: name a function of this file: it has f"),
+        ("a.wgsl", "fn f(l: vec3f) -> f32 {\n    return l.q;\n}", options("f"), "a.wgsl:2:14: "),
+        ("a.glsl", "float f(vec3 l) {\n  return  frobnicate(l.z);\n}", options("f"), "a.glsl:2:11: "),
+        ("a.glsl", "#define BAD(x) (x.q)\n\nfloat f(vec3 l) {\n  return 1.0 + BAD(l);\n}", options("f"), "a.glsl:4:"),
+        ("a.glsl", "float f(vec3 l) {\n  return (l.z;\n}", options("f"), "a.glsl:"),
+        ("a.glsl", "float f(vec3 l) {\n  return l.z;\n", options("f"), "a.glsl:1:17: `{` is not closed"),
+        ("a.wgsl", "fn f(a: vec3f, b: vec3f) -> f32 { return a.z; }", options("f"), "a.wgsl: it is not clear what `a` of"),
+        ("a.wgsl", "fn f(l: vec3f, lightDir: vec3f) -> f32 { return l.z; }", options("f"), "a.wgsl: l, lightDir all look like wi"),
+        ("a.wgsl", "fn f(l: vec3f, u: f32) -> f32 { return u; }", options("f"), "a.wgsl: it is not clear what `u` of `fn f(l: vec3<f32>, u: f32) -> f32` is: say --map"),
+        ("a.wgsl", "fn f(l: vec3f) -> vec2f { return l.xy; }", options("f"), "a.wgsl: `fn f(l: vec3<f32>) -> vec2<f32>` returns neither"),
+        ("a.wgsl", "fn f(l: vec3f, m: mat3x3f) -> f32 { return (m * l).z; }", options("f"), "a.wgsl: it is not clear what `m`"),
+        ("a.wgsl", "struct R { d: vec3f, s: vec3f } fn f(l: vec3f) -> R { return R(l, l); }", options("f"), "a.wgsl: which result of"),
+        ("a.glsl", "void g(inout float x) { x = 1.0; }\nfloat f(vec3 l) { vec3 a = l; g(a.y); return a.y; }", options("f"), "a.glsl: "),
+        ("a.glsl", "float f(vec3 l) { float x = 0.0; for (;;) { x += l.z; } return x; }", options("f"), "a.glsl: `f of a.glsl` has not ended after"),
+        ("a.wgsl", "fn f(l: vec3f) -> f32 { var x = l.z; loop { x += 1.0; if x < 0.0 { break; } } return x; }", options("f"), "a.wgsl: `f of a.wgsl` has not ended after"),
+    ] {
+        let error = ShaderFamily::from_source(name, source, &asked).map(|family| family.wgsl().to_owned()).unwrap_err();
+        assert!(error.to_string().starts_with(want), "{source}\n{error}\nwant {want}");
+        assert_eq!(error.to_string().lines().count(), 1);
+    }
+    let wrong = |change: fn(&mut Options)| {
+        let mut asked = options("f");
+        change(&mut asked);
+        ShaderFamily::from_source("a.wgsl", "fn f(l: vec3f, x: f32, y: f32) -> f32 { return x; }", &asked).unwrap_err()
+    };
+    for (error, want) in [
+        (wrong(|o| o.maps = strings(&["x"])), "--map x: write NAME="),
+        (wrong(|o| o.maps = strings(&["z=wi"])), "--map z: there is no such value; the function waits for l, x, y"),
+        (wrong(|o| o.maps = strings(&["x=q"])), "--map x=q: `q` is none of wi"),
+        (wrong(|o| o.maps = strings(&["x=wi"])), "--map x=wi: the role is a vector of 3"),
+        (wrong(|o| o.values = strings(&["x=a"])), "--param x=a: `a` is not a number"),
+        (wrong(|o| o.values = strings(&["x=1,2"])), "--param x=1,2: 2 numbers for 1 components"),
+        (wrong(|o| o.values = strings(&["x=1e39"])), "--param x=1e39: `1e39` is not a number of 32 bits"),
+        (wrong(|o| o.values = strings(&["x=1", "x=2"])), "--param x: given twice"),
+        (wrong(|o| o.ranges = strings(&["x=1"])), "--range x=1: write LO..HI"),
+        (wrong(|o| o.ranges = strings(&["x=2..1"])), "--range x=2..1: the first number must be below"),
+        (wrong(|o| o.ranges = strings(&["x=0..1:log"])), "--range x=0..1:log: a logarithmic range begins above 0"),
+        (wrong(|o| o.ranges = strings(&["x=0..1:lin"])), "--range x=0..1:lin: `lin` is not `log`"),
+        (wrong(|o| o.defines = strings(&["=1"])), "-D =1"),
+    ] {
+        assert!(error.to_string().contains(want), "{error}\nwant {want}");
+    }
+}
+
+#[test]
+fn errors_within_includes() {
+    let mut asked = options("f");
+    asked.include = vec![PathBuf::from("tests/check_shader")];
+    let source = "#include <broken.glsl>\nfloat f(vec3 l) { return broken(l); }";
+    let error = ShaderFamily::from_source("a.glsl", source, &asked).unwrap_err();
+    let place = error.place().unwrap();
+    assert!(place.file.ends_with("broken.glsl") && place.line == 3, "{error}");
+    assert!(error.report().contains("undeclared"), "{}", error.report());
+}
+
+/// Endless for some directions only: what is measured must not pass for numbers.
+#[test]
+fn an_endless_loop_is_told() {
+    let source = "fn f(l: vec3f, v: vec3f) -> f32 { var x = 0.0; loop { if l.z < 0.9 { break; } x += 1e-9; } return x; }";
+    let family = ShaderFamily::from_source("a.wgsl", source, &options("f")).unwrap();
+    let subject = family.subject(&[]);
+    let mut f = [0.0];
+    subject.evaluate(direction(1.0, 0.0), direction(0.5, 0.0), &mut f);
+    assert_eq!((f, family.error()), ([0.0], None));
+    subject.evaluate(direction(0.0, 0.0), direction(0.5, 0.0), &mut f);
+    assert!(f[0].is_nan());
+    assert!(family.error().unwrap().contains("has not ended after"), "{:?}", family.error());
+}
