@@ -10,7 +10,7 @@ pub(crate) mod terminal;
 mod twins;
 
 use crate::failure::Failure;
-use brdf::check::output::{Entry, Figures, Outcome, Run, Shard};
+use brdf::check::output::{Entry, Outcome, Run, Shard};
 use brdf::check::{self, Finding, Report, Verdict};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};

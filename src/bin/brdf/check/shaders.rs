@@ -95,7 +95,7 @@ impl Shaders {
         let kind = if language == Language::Wgsl { "WGSL" } else { "GLSL" };
         Ok(Loaded {
             notes: family.notes().to_vec(),
-            fault: Some(Box::new(move || faulty.error())),
+            fault: Some(Box::new(move || faulty.error().map(str::to_owned))),
             gpu: Some(Box::new(move |gpu, values, pairs| run.evaluate_on(gpu, values, pairs).ok())),
             ..Loaded::new(Judged::Family(Box::new(Shared(family))), kind)
         })
