@@ -110,7 +110,7 @@ fn bad_input_is_named_in_one_line() {
         (&["materials/white.toml", "--baseline", "words.json"], "no JSON report"),
         (&["materials/white.toml", "--baseline", "missing.json"], "missing.json"),
         (&["materials/white.toml", "--html", "no/folder/x.html"], "no/folder/x.html"),
-        (&["materials/white.toml", "--param", "albedo=1"], "no"),
+        (&["materials/white.toml", "--param", "albedo=1"], "sets a parameter"),
         (&["materials/slider.brdf", "--param", "roughness=1"], "there are albedo"),
         (&["materials/slider.brdf", "--param", "albedo=9"], "0.1..1.5"),
         (&["materials", "--at", "theta=0,view"], "one subject"),

@@ -223,7 +223,8 @@ impl Report {
 
     /// Writes the albedos of one marginal, polar angles across and channels down, in the azimuth of the tangent.
     fn write_albedos(&self, f: &mut Formatter<'_>, fixed: Fixed) -> fmt::Result {
-        let row: Vec<&Albedo> = self.albedos.iter().filter(|a| a.fixed == fixed && a.phi == 0.0).collect();
+        let mut row: Vec<&Albedo> = self.albedos.iter().filter(|a| a.fixed == fixed && a.phi == 0.0).collect();
+        row.sort_by(|a, b| a.theta.total_cmp(&b.theta));
         let Some(first) = row.first() else { return Ok(()) };
         let title = format!("albedo [{} fixed]", fixed.name());
         let angles: Vec<String> = row.iter().map(|a| format!("{:>8}", format!("{}°", a.theta))).collect();
@@ -344,8 +345,9 @@ fn angles(v: Vector<f64>) -> String {
     // The sum with 0 turns −0 into 0.
     let phi = if across > 0.0 { (v.y.atan2(v.x).to_degrees() * 100.0).round() / 100.0 + 0.0 } else { 0.0 };
     let elevation = v.z.atan2(across).to_degrees();
-    if elevation.abs() < 0.05 {
-        format!("(90°−{elevation:.1e}°, {phi}°)")
+    if elevation != 0.0 && elevation.abs() < 0.05 {
+        let sign = if elevation > 0.0 { '−' } else { '+' };
+        format!("(90°{sign}{:.1e}°, {phi}°)", elevation.abs())
     } else {
         format!("({}°, {phi}°)", ((90.0 - elevation) * 100.0).round() / 100.0)
     }
@@ -495,6 +497,14 @@ mod tests {
         assert_eq!(accepted.verdict(), Verdict::Pass);
         let text = accepted.to_string();
         assert!(text.contains("FAIL, accepted") && !text.contains("again:"), "{text}");
+    }
+
+    #[test]
+    fn angles_tell_grazing_from_the_horizon() {
+        assert_eq!(angles(Vector::new(1.0, 0.0, 0.0)), "(90°, 0°)");
+        assert_eq!(angles(Vector::new(0.0, 1.0, 1e-5)), "(90°−5.7e-4°, 90°)");
+        assert_eq!(angles(Vector::new(0.0, 1.0, -1e-5)), "(90°+5.7e-4°, 90°)");
+        assert_eq!(angles(Vector::new(0.6, 0.0, 0.8)), "(36.87°, 0°)");
     }
 
     #[test]

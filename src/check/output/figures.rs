@@ -20,7 +20,7 @@ pub struct Figures {
     /// f in the plane of incidence, sr⁻¹, against the signed polar angle of `wo`, one series per polar angle of `wi`; the
     /// mirror direction has a positive angle.
     pub lobes: Vec<Series>,
-    /// log₁₀ of the largest relative difference of f(wi, wo) and f(wo, wi) over azimuths; x is the polar angle of `wi`, y
+    /// log₁₀ of the largest relative difference of f(wi, wo) and f(wo, wi) over azimuths, NaN where none is finite; x is the polar angle of `wi`, y
     /// that of `wo`.
     pub reciprocity: Grid,
     /// [`FINE`], [`NEGATIVE`] or [`BROKEN`], the worst over azimuths; axes as of [`Figures::reciprocity`].
@@ -194,8 +194,8 @@ fn maps(subject: &dyn Subject) -> (Grid, Grid) {
 
 fn asymmetry(f: &[f64], g: &[f64]) -> f64 {
     let relative = |(f, g): (&f64, &f64)| (f - g).abs() / f.abs().max(g.abs()).max(FLOOR);
-    let worst = f.iter().zip(g).map(relative).filter(|d| d.is_finite()).fold(0.0, f64::max);
-    short(worst.log10())
+    let worst = f.iter().zip(g).map(relative).filter(|d| d.is_finite()).reduce(f64::max);
+    worst.map_or(f64::NAN, |worst| short(worst.log10()))
 }
 
 fn validity(f: &[f64]) -> f64 {

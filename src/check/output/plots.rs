@@ -68,7 +68,8 @@ fn rounded(x: f64) -> f64 {
 /// The albedo curves of a report that no figures were sampled for; nothing if no albedo was integrated.
 pub fn albedo_of_report(report: &Report) -> Option<String> {
     let curve = |fixed: Fixed| {
-        let row: Vec<&Albedo> = report.albedos.iter().filter(|a| a.fixed == fixed && a.phi == 0.0).collect();
+        let mut row: Vec<&Albedo> = report.albedos.iter().filter(|a| a.fixed == fixed && a.phi == 0.0).collect();
+        row.sort_by(|a, b| a.theta.total_cmp(&b.theta));
         let of = |pick: fn(&Albedo) -> f64| row.iter().map(|a| pick(a)).collect();
         Series {
             name: format!("{} fixed", fixed.name()),
@@ -112,6 +113,8 @@ fn albedo(curves: &[Series], member: &str) -> String {
         let upper = points.iter().map(|&(x, y, error)| plane.at(x, y + error));
         let lower = points.iter().rev().map(|&(x, y, error)| plane.at(x, y - error));
         picture.area(&upper.chain(lower).collect::<Vec<_>>(), stroke.colour, 0.25);
+        // The first lies under the others, and shows where they coincide.
+        let stroke = Stroke { width: if index == 0 { 4.5 } else { 2.0 }, ..stroke };
         picture.line(&points.iter().map(|&(x, y, _)| plane.at(x, y)).collect::<Vec<_>>(), stroke);
         for &(x, y, _) in &points {
             picture.dot(plane.at(x, y), stroke.colour);
@@ -154,7 +157,10 @@ fn lobes(lobes: &[Series], member: &str, logarithmic: bool) -> String {
     }
     for degrees in [-60.0, -30.0, 0.0, 30.0, 60.0] {
         picture.line(&[[cx, cy], place(degrees, 1.0)], grid);
-        picture.text(place(degrees, 1.05), "middle", &format!("{}°", f64::abs(degrees)), "");
+    }
+    // On the side that the light does not come from.
+    for degrees in [10.0, 30.0, 60.0, 80.0] {
+        picture.text(place(degrees, 1.05), "middle", &format!("{degrees}°"), "");
     }
     picture.line(&[place(-90.0, 1.06), place(90.0, 1.06)], Stroke { colour: "#222222", dash: "none", width: 1.5 });
     for (index, lobe) in lobes.iter().enumerate() {
@@ -241,6 +247,9 @@ impl Axis {
 const RAMP: [[f64; 3]; 5] =
     [[68.0, 1.0, 84.0], [59.0, 82.0, 139.0], [33.0, 145.0, 140.0], [94.0, 201.0, 98.0], [253.0, 231.0, 37.0]];
 
+/// The colour of a cell without a value.
+const NOTHING: &str = "#b8b8b8";
+
 fn colour(share: f64) -> String {
     let t = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) } * 4.0;
     let i = (t as usize).min(3);
@@ -254,7 +263,17 @@ fn colour(share: f64) -> String {
 fn map(picture: &mut Picture, grid: &Grid, [x, y]: [Axis; 2], range: core::ops::Range<f64>, label: &str) {
     let plane = Plane::new(x, y, 96.0);
     plane.draw(picture);
-    cells(picture, &plane, grid, |value| Some(colour((value - range.start) / (range.end - range.start))));
+    let paint = |value: f64| {
+        // Where nothing could be compared there is no colour of the ramp.
+        let share = (value - range.start) / (range.end - range.start);
+        Some(if value.is_nan() { NOTHING.to_owned() } else { colour(share) })
+    };
+    cells(picture, &plane, grid, paint);
+    if grid.values.iter().any(|value| value.is_nan()) {
+        let [left, _, _, bottom] = plane.area;
+        picture.rectangle([left, bottom + 29.0], [left + 12.0, bottom + 41.0], NOTHING, "");
+        picture.text([left + 17.0, bottom + 40.0], "start", "not finite", "font-size=\"11\"");
+    }
     plane.frame(picture);
     let [_, top, right, bottom] = plane.area;
     let (left, steps) = (right + 28.0, 64);
