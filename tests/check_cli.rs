@@ -37,7 +37,7 @@ fn json(output: &Output) -> Value {
 }
 
 /// A white Lambert surface: plausible, and quickly judged.
-const WHITE: &str = "name = \"white\"\n[[layer]]\ninterface = { diffuse = { albedo = 1.0 }, alpha = 0.1 }\n";
+const WHITE: &str = "name = \"white\"\n[[layer]]\ninterface = { diffuse = { albedo = 1.0 } }\n";
 
 /// Cuprite over copper under the model as printed, which gains energy.
 const GAINS: &str = "name = \"Cu2O over Cu\"\nmodel = \"elek\"\n\
