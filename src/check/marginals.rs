@@ -1,9 +1,11 @@
 //! The search for the direction that reflects most: corners, then uphill between them, then a round number.
 
-use super::energy::{Albedo, Effort, albedo};
+use super::energy::{Albedo, Effort, albedo, watched};
+use super::pairs::Class;
 use super::report::{Check, Finding, Place};
-use super::subject::{Fixed, Subject};
-use super::verdict::{TOLERANCE, Verdict};
+use super::subject::{Fixed, Pair, Subject, Watch};
+use super::verdict::Verdict;
+use crate::frame::Vector;
 use core::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
@@ -13,9 +15,11 @@ pub const THETAS: [f64; 10] = [0.0, 45.0, 60.0, 75.0, 80.0, 85.0, 88.0, 89.0, 89
 /// Azimuths, in degrees, for a subject that was measured to be anisotropic.
 pub(super) const AZIMUTHS: [f64; 3] = [0.0, 90.0, 35.0];
 
-/// The widest gap between angles, in degrees, that is not looked into: total reflection at a rough interface makes bumps of
-/// about 10°.
-const STEP: f64 = 3.0;
+/// The widest gap between angles, in degrees, that is not looked into: isotropic, anisotropic.
+const STEPS: [f64; 2] = [1.0, 4.5];
+
+/// Azimuths, in degrees, that are looked into if f is anisotropic. 180° would do for a reciprocal subject.
+const LOOKS: [f64; 8] = [0.0, 22.5, 45.0, 67.5, 90.0, 112.5, 135.0, 157.5];
 
 /// What a look into a gap costs: enough for some percent.
 const GLANCE: Effort = Effort { target: 1e-2, evaluations: 1_500, replicates: 0, samples: 0, seed: 1 };
@@ -23,16 +27,37 @@ const GLANCE: Effort = Effort { target: 1e-2, evaluations: 1_500, replicates: 0,
 /// Albedo is continuous in θ: what stays below this at every angle that was looked at is not searched any closer.
 const WORTH_CLIMBING: f64 = 0.7;
 
+/// Bumps of one marginal that are integrated in earnest.
+const BUMPS: usize = 3;
+
 /// Where to integrate, and how hard.
 pub(super) struct Plan<'a> {
     pub(super) thetas: &'a [f64],
     pub(super) azimuths: &'a [f64],
     pub(super) effort: Effort,
+    /// What an albedo of 1 may be exceeded by.
+    pub(super) tolerance: f64,
     pub(super) progress: Option<&'a (dyn Fn(usize, usize) + Sync)>,
 }
 
+/// What the integrals found.
+pub(super) struct Energy {
+    /// One for each marginal.
+    pub(super) findings: Vec<Finding>,
+    /// Every albedo at a corner.
+    pub(super) albedos: Vec<Albedo>,
+    pub(super) evaluations: usize,
+    pub(super) watch: Watch,
+}
+
+/// A cheap albedo, for a search.
+pub(super) fn glance(subject: &dyn Subject, theta: f64, phi: f64, fixed: Fixed) -> (Albedo, Watch) {
+    watched(subject, theta, phi, fixed, &GLANCE)
+}
+
 /// Energy of both marginals: a finding each, and every albedo at a corner.
-pub(super) fn energy(subject: &dyn Subject, plan: &Plan<'_>) -> (Vec<Finding>, Vec<Albedo>, usize) {
+pub(super) fn energy(subject: &dyn Subject, plan: &Plan<'_>) -> Energy {
+    let anisotropic = plan.azimuths.len() > 1;
     let mut jobs = Vec::new();
     for fixed in Fixed::BOTH {
         for &phi in plan.azimuths {
@@ -40,19 +65,40 @@ pub(super) fn energy(subject: &dyn Subject, plan: &Plan<'_>) -> (Vec<Finding>, V
         }
     }
     // Bumps between the corners become corners, and two refinements follow.
-    let glances: Vec<(f64, f64, Fixed)> = Fixed::BOTH
-        .iter()
-        .flat_map(|&fixed| plan.azimuths.iter().map(move |&phi| (phi, fixed)))
-        .flat_map(|(phi, fixed)| gaps(plan.thetas).into_iter().map(move |theta| (theta, phi, fixed)))
-        .collect();
-    let seen: Vec<Albedo> =
-        glances.par_iter().map(|&(theta, phi, fixed)| albedo(subject, theta, phi, fixed, &GLANCE)).collect();
-    let bumps: Vec<(f64, f64, Fixed)> = seen
-        .chunk_by(|a, b| (a.fixed, a.phi) == (b.fixed, b.phi))
-        .filter_map(|row| row.iter().reduce(|a, b| if b.peak().1 > a.peak().1 { b } else { a }))
-        .filter(|albedo| albedo.peak().1 >= WORTH_CLIMBING)
-        .map(|albedo| (albedo.theta, albedo.phi, albedo.fixed))
-        .collect();
+    let between = gaps(plan.thetas, STEPS[usize::from(anisotropic)]);
+    let looks: &[f64] = if anisotropic { &LOOKS } else { plan.azimuths };
+    let mut evaluations = 0;
+    let mut bumps = Vec::new();
+    let mut watch = Watch::default();
+    for fixed in Fixed::BOTH {
+        let mut glances: Vec<(f64, f64)> =
+            looks.iter().flat_map(|&phi| between.iter().map(move |&theta| (theta, phi))).collect();
+        for &phi in plan.azimuths {
+            let (ridges, spent) = ridges(subject, fixed, phi, plan.thetas, plan.effort.seed);
+            glances.extend(ridges.into_iter().map(|theta| (theta, phi)));
+            evaluations += spent;
+        }
+        let seen: Vec<(Albedo, Watch)> =
+            glances.par_iter().map(|&(theta, phi)| glance(subject, theta, phi, fixed)).collect();
+        let mut high: Vec<Albedo> = Vec::new();
+        for (albedo, met) in seen {
+            evaluations += albedo.evaluations;
+            watch = watch.with(met);
+            if albedo.peak().1 >= WORTH_CLIMBING {
+                high.push(albedo);
+            }
+        }
+        high.sort_by(|a, b| b.peak().1.total_cmp(&a.peak().1));
+        let mut chosen: Vec<(f64, f64, Fixed)> = Vec::new();
+        for albedo in &high {
+            // The slopes of a bump that was chosen are not another.
+            let apart = |&(theta, phi, _): &(f64, f64, Fixed)| (theta - albedo.theta).abs() > 5.0 || phi != albedo.phi;
+            if chosen.len() < BUMPS && chosen.iter().all(apart) {
+                chosen.push((albedo.theta, albedo.phi, fixed));
+            }
+        }
+        bumps.extend(chosen);
+    }
     jobs.extend(bumps);
     let total = jobs.len() + Fixed::BOTH.len();
     let done = AtomicUsize::new(0);
@@ -62,45 +108,107 @@ pub(super) fn energy(subject: &dyn Subject, plan: &Plan<'_>) -> (Vec<Finding>, V
             progress(done, total);
         }
     };
-    let albedos: Vec<Albedo> = jobs
+    let settled: Vec<(Albedo, Watch)> = jobs
         .par_iter()
         .map(|&(theta, phi, fixed)| {
-            let albedo = settle(subject, theta, phi, fixed, &plan.effort);
+            let settled = settle(subject, theta, phi, fixed, plan);
             advance();
-            albedo
+            settled
         })
         .collect();
+    let mut albedos = Vec::new();
+    for (albedo, met) in settled {
+        evaluations += albedo.evaluations;
+        watch = watch.with(met);
+        albedos.push(albedo);
+    }
     let results: Vec<(Finding, usize)> = Fixed::BOTH
         .par_iter()
         .map(|&fixed| {
             let corners: Vec<&Albedo> = albedos.iter().filter(|albedo| albedo.fixed == fixed).collect();
-            let result = marginal(subject, &corners, &gaps(plan.thetas), fixed, &plan.effort);
+            let result = marginal(subject, &corners, &between, fixed, plan);
             advance();
             result
         })
         .collect();
-    let evaluations = albedos.iter().chain(&seen).map(|albedo| albedo.evaluations).sum::<usize>()
-        + results.iter().map(|(_, evaluations)| evaluations).sum::<usize>();
-    (results.into_iter().map(|(finding, _)| finding).collect(), albedos, evaluations)
+    evaluations += results.iter().map(|(_, evaluations)| evaluations).sum::<usize>();
+    Energy { findings: results.into_iter().map(|(finding, _)| finding).collect(), albedos, evaluations, watch }
 }
 
-/// Angles that leave no gap between these of more than [`STEP`].
-fn gaps(thetas: &[f64]) -> Vec<f64> {
+/// Angles that leave no gap between these of more than `step`.
+fn gaps(thetas: &[f64], step: f64) -> Vec<f64> {
     let mut sorted = thetas.to_vec();
     sorted.sort_by(f64::total_cmp);
     let inside = |pair: &[f64]| {
         let (low, width) = (pair[0], pair[1] - pair[0]);
-        let parts = (width / STEP).ceil().clamp(1.0, 90.0 / STEP) as usize;
+        let parts = (width / step).ceil().clamp(1.0, 90.0 / step) as usize;
         (1..parts).map(move |part| low + width * part as f64 / parts as f64).collect::<Vec<_>>()
     };
     sorted.windows(2).flat_map(inside).collect()
 }
 
+/// Polar angles where f has a ridge narrower than the gaps, whatever the free direction: the most prominent ones, and what the
+/// look cost.
+///
+/// At steps of 0.1°, f is compared with itself ½° and 1½° to either side, for free directions all over the hemisphere. A lobe
+/// passes over few of them at one angle; a ridge lifts many.
+fn ridges(subject: &dyn Subject, fixed: Fixed, phi: f64, thetas: &[f64], seed: u32) -> (Vec<f64>, usize) {
+    const STEP: f64 = 0.1;
+    const FREE: usize = 32;
+    const MOST: usize = 3;
+    const PROMINENT: f64 = 1.03;
+    let low = thetas.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = thetas.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let channels = subject.channels();
+    if !(high > low) || channels == 0 {
+        return (Vec::new(), 0);
+    }
+    let angles: Vec<f64> = (0..=((high - low) / STEP) as usize).map(|i| low + STEP * i as f64).collect();
+    let free: Vec<Vector<f64>> = (0..FREE).map(|i| Class::Hemisphere.pair(i, seed).0).collect();
+    // f summed over the channels, by free direction and angle.
+    let rows: Vec<Vec<f64>> = free
+        .par_iter()
+        .map(|&free| {
+            let place = |&theta: &f64| {
+                let fixed_at = Vector::from_angles(theta.to_radians(), phi.to_radians());
+                if fixed == Fixed::View { (free, fixed_at) } else { (fixed_at, free) }
+            };
+            let pairs: Vec<Pair> = angles.iter().map(place).collect();
+            let mut f = vec![0.0; pairs.len() * channels];
+            subject.evaluate_many(&pairs, &mut f);
+            let sum = |f: &[f64]| f.iter().filter(|f| f.is_finite()).sum::<f64>();
+            f.chunks_exact(channels).map(sum).collect()
+        })
+        .collect();
+    let prominence = |i: usize| {
+        let mut lifts: Vec<f64> = rows
+            .iter()
+            .map(|row| {
+                let lift = |away: usize| {
+                    let beside = row[i.saturating_sub(away)].max(row[(i + away).min(row.len() - 1)]);
+                    row[i] / beside.max(1e-9)
+                };
+                lift(5).max(lift(15))
+            })
+            .collect();
+        // The upper quartile: a ridge may lift some of the directions alone.
+        lifts.sort_by(f64::total_cmp);
+        lifts[3 * lifts.len() / 4]
+    };
+    let lifted: Vec<f64> = (0..angles.len()).map(prominence).collect();
+    let mut tops: Vec<usize> = (1..angles.len().saturating_sub(1))
+        .filter(|&i| lifted[i] > PROMINENT && lifted[i] >= lifted[i - 1] && lifted[i] >= lifted[i + 1])
+        .collect();
+    tops.sort_by(|&a, &b| lifted[b].total_cmp(&lifted[a]));
+    tops.truncate(MOST);
+    (tops.into_iter().map(|i| angles[i]).collect(), FREE * angles.len())
+}
+
 /// The verdict on an albedo, of its worst channel, and that channel. A pass takes agreement and finite samples.
-pub(super) fn judge(albedo: &Albedo) -> (Verdict, usize) {
+pub(super) fn judge(albedo: &Albedo, tolerance: f64) -> (Verdict, usize) {
     let mut worst = (Verdict::Pass, 0);
     for (channel, (&value, &error)) in albedo.value.iter().zip(&albedo.error).enumerate() {
-        let verdict = Verdict::of(value, error, 1.0, TOLERANCE);
+        let verdict = Verdict::of(value, error, 1.0, tolerance);
         if verdict > worst.0 || (verdict == worst.0 && value > albedo.value[worst.1]) {
             worst = (verdict, channel);
         }
@@ -112,17 +220,20 @@ pub(super) fn judge(albedo: &Albedo) -> (Verdict, usize) {
 }
 
 /// An albedo, worked on harder while its verdict is not clear.
-fn settle(subject: &dyn Subject, theta: f64, phi: f64, fixed: Fixed, effort: &Effort) -> Albedo {
-    let mut result = albedo(subject, theta, phi, fixed, effort);
+fn settle(subject: &dyn Subject, theta: f64, phi: f64, fixed: Fixed, plan: &Plan<'_>) -> (Albedo, Watch) {
+    let (mut result, mut watch) = watched(subject, theta, phi, fixed, &plan.effort);
     for factor in [4, 16] {
-        if judge(&result).0 != Verdict::Inconclusive && result.agrees {
+        // What is not finite stays so.
+        if (judge(&result, plan.tolerance).0 != Verdict::Inconclusive && result.agrees) || result.non_finite > 0 {
             break;
         }
         let spent = result.evaluations;
-        result = albedo(subject, theta, phi, fixed, &effort.scaled(factor));
+        let (harder, met) = watched(subject, theta, phi, fixed, &plan.effort.scaled(factor));
+        result = harder;
+        watch = watch.with(met);
         result.evaluations += spent;
     }
-    result
+    (result, watch)
 }
 
 fn marginal(
@@ -130,10 +241,10 @@ fn marginal(
     corners: &[&Albedo],
     between: &[f64],
     fixed: Fixed,
-    effort: &Effort,
+    plan: &Plan<'_>,
 ) -> (Finding, usize) {
     let rank = |albedo: &Albedo| {
-        let (verdict, channel) = judge(albedo);
+        let (verdict, channel) = judge(albedo, plan.tolerance);
         (verdict, albedo.value.get(channel).copied().unwrap_or(0.0))
     };
     let worst = corners.iter().copied().reduce(|a, b| {
@@ -141,52 +252,89 @@ fn marginal(
         if rb.0.cmp(&ra.0).then(rb.1.total_cmp(&ra.1)).is_gt() { b } else { a }
     });
     let Some(worst) = worst else {
-        return (finding(subject, None, fixed), 0);
+        return (finding(subject, None, fixed, plan.tolerance), 0);
     };
     if worst.peak().1 < WORTH_CLIMBING {
-        return (finding(subject, Some(worst), fixed), 0);
+        return (finding(subject, Some(worst), fixed, plan.tolerance), 0);
     }
-    let (refined, evaluations) = climb(subject, corners, between, worst, effort);
+    let (refined, evaluations) = climb(subject, corners, between, worst, plan);
     let chosen = refined.as_ref().filter(|refined| rank(refined) >= rank(worst)).unwrap_or(worst);
-    (finding(subject, Some(chosen), fixed), evaluations)
+    (finding(subject, Some(chosen), fixed, plan.tolerance), evaluations)
 }
 
-/// Golden section between the neighbours of the worst corner, then the roundest angle that is nearly as bad; nothing if
-/// the corner is that.
+/// The neighbours of a number in a list, or itself at an end.
+fn neighbours(of: f64, all: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+    for x in all {
+        if x < of {
+            low = low.max(x);
+        }
+        if x > of {
+            high = high.min(x);
+        }
+    }
+    (if low.is_finite() { low } else { of }, if high.is_finite() { high } else { of })
+}
+
+/// Golden section between the neighbours of the worst corner, in its azimuth too if there are several, then the roundest
+/// angles that are nearly as bad; nothing if the corner is that.
 fn climb(
     subject: &dyn Subject,
     corners: &[&Albedo],
     between: &[f64],
     worst: &Albedo,
-    effort: &Effort,
+    plan: &Plan<'_>,
 ) -> (Option<Albedo>, usize) {
-    let same = corners.iter().filter(|albedo| albedo.phi == worst.phi).map(|albedo| albedo.theta);
-    let same = same.chain(between.iter().copied());
-    let (mut low, mut high) = (worst.theta, worst.theta);
-    for theta in same {
-        if theta < worst.theta && (low == worst.theta || theta > low) {
-            low = theta;
-        }
-        if theta > worst.theta && (high == worst.theta || theta < high) {
-            high = theta;
-        }
-    }
-    let channel = judge(worst).1;
-    let rough = Effort { target: 3.0 * effort.target, replicates: 0, ..*effort };
+    let channel = judge(worst, plan.tolerance).1;
+    let rough = Effort { target: 3.0 * plan.effort.target, replicates: 0, ..plan.effort };
     let mut spent = 0;
-    let mut at = |theta: f64| {
-        let albedo = albedo(subject, theta, worst.phi, worst.fixed, &rough);
+    let mut at = |theta: f64, phi: f64| {
+        let albedo = albedo(subject, theta, phi, worst.fixed, &rough);
         spent += albedo.evaluations;
         albedo.value[channel]
     };
+    let same = corners.iter().filter(|albedo| albedo.phi == worst.phi).map(|albedo| albedo.theta);
+    let range = neighbours(worst.theta, same.chain(between.iter().copied()));
+    let start = (worst.theta, worst.value[channel]);
+    let mut best = golden(range, start, |theta| at(theta, worst.phi));
+    let mut phi = worst.phi;
+    if plan.azimuths.len() > 1 {
+        let around = (phi - LOOKS[1], phi + LOOKS[1]);
+        let turned = golden(around, (phi, best.1), |phi| at(best.0, phi));
+        (phi, best.1) = (turned.0, turned.1);
+        best = golden(range, best, |theta| at(theta, phi));
+    }
+    let enough = best.1 - worst.error[channel] - 1e-3 * best.1.abs();
+    if worst.value[channel] >= enough {
+        return (None, spent);
+    }
+    let mut angles = (best.0, phi);
+    for step in [5.0, 1.0, 0.5, 0.1, 0.01] {
+        let round = |x: f64| ((x / step).round() * step * 100.0).round() / 100.0;
+        let (theta, phi) = (round(best.0), round(phi));
+        if (0.0..90.0).contains(&theta) && at(theta, phi) >= enough {
+            angles = (theta, phi);
+            break;
+        }
+    }
+    let (refined, _) = settle(subject, angles.0, angles.1, worst.fixed, plan);
+    spent += refined.evaluations;
+    (Some(refined), spent)
+}
+
+/// The best of a golden section of five steps and of what is known already: where, and how much.
+fn golden((mut low, mut high): (f64, f64), known: (f64, f64), mut at: impl FnMut(f64) -> f64) -> (f64, f64) {
     let golden = 0.5 * (5f64.sqrt() - 1.0);
-    let mut best = (worst.theta, worst.value[channel]);
+    let mut best = known;
+    if !(high > low) {
+        return best;
+    }
     let (mut a, mut b) = (high - golden * (high - low), low + golden * (high - low));
     let (mut fa, mut fb) = (at(a), at(b));
     for _ in 0..5 {
-        for (theta, value) in [(a, fa), (b, fb)] {
-            if value > best.1 {
-                best = (theta, value);
+        for found in [(a, fa), (b, fb)] {
+            if found.1 > best.1 {
+                best = found;
             }
         }
         if fa > fb {
@@ -199,30 +347,16 @@ fn climb(
             fb = at(b);
         }
     }
-    let enough = best.1 - worst.error[channel] - 1e-3 * best.1.abs();
-    if worst.value[channel] >= enough {
-        return (None, spent);
-    }
-    let mut angle = best.0;
-    for step in [5.0, 1.0, 0.5, 0.1, 0.01] {
-        let round = ((best.0 / step).round() * step * 100.0).round() / 100.0;
-        if (0.0..90.0).contains(&round) && at(round) >= enough {
-            angle = round;
-            break;
-        }
-    }
-    let refined = settle(subject, angle, worst.phi, worst.fixed, effort);
-    spent += refined.evaluations;
-    (Some(refined), spent)
+    best
 }
 
-fn finding(subject: &dyn Subject, albedo: Option<&Albedo>, fixed: Fixed) -> Finding {
-    let mut finding = Finding { limit: 1.0 + TOLERANCE, ..Finding::new(Check::Energy) };
+fn finding(subject: &dyn Subject, albedo: Option<&Albedo>, fixed: Fixed, tolerance: f64) -> Finding {
+    let mut finding = Finding { limit: 1.0 + tolerance, ..Finding::new(Check::Energy) };
     let Some(albedo) = albedo.filter(|albedo| !albedo.value.is_empty()) else {
         finding.note = "nothing to integrate".into();
         return finding;
     };
-    let (verdict, channel) = judge(albedo);
+    let (verdict, channel) = judge(albedo, tolerance);
     finding.verdict = verdict;
     finding.value = albedo.value[channel];
     finding.error = albedo.error[channel];

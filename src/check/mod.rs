@@ -29,10 +29,12 @@ mod chart;
 #[cfg(test)]
 mod corpus;
 mod crosscheck;
+pub mod diagnosis;
 pub mod energy;
 #[cfg(feature = "shader")]
 pub mod explorer;
 pub mod family;
+pub mod limits;
 mod lobes;
 mod marginals;
 pub mod merl;
@@ -40,12 +42,15 @@ pub mod pairs;
 mod quadrature;
 pub mod reciprocity;
 pub mod report;
+pub mod sampling;
 pub mod sanity;
+mod search;
 pub mod sniff;
 mod stack;
 pub mod subject;
 pub mod verdict;
 
+pub use diagnosis::Cause;
 pub use energy::{Albedo, Effort, albedo};
 #[cfg(feature = "shader")]
 pub use explorer::{Explorer, ExplorerError};
@@ -58,6 +63,7 @@ pub use subject::{Fixed, FromFn, Sample, Subject, from_fn};
 pub use verdict::{TOLERANCE, Verdict};
 
 use pairs::Class;
+use subject::Watch;
 
 /// What a violation is held to be.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -67,7 +73,10 @@ pub enum Profile {
     Strict,
     /// What a real-time renderer can live without is advisory: reciprocity, and energy with the light fixed.
     Realtime,
-    /// A single term, not a BRDF: finite and not negative, nothing else.
+    /// A measurement: energy and sign bind within [`Options::tolerance`], the data's own; reciprocity is advisory, as storage
+    /// often folds it in.
+    Measured,
+    /// A single term, not a BRDF: finite and not negative, and normalised if [`Options::distribution`] says so.
     Term,
 }
 
@@ -82,13 +91,27 @@ pub struct Options<'a> {
     pub thetas: &'a [f64],
     /// Which findings bind.
     pub profile: Profile,
+    /// What an albedo may exceed 1 by, [`TOLERANCE`] unless the subject is known no better; in [`Profile::Measured`] also what f may
+    /// be below 0 by, in sr⁻¹.
+    pub tolerance: f64,
+    /// Whether the subject is a distribution of normals, a function of `wi` that stands for the normal: ∫ D cosθ = 1 is
+    /// checked too.
+    pub distribution: bool,
     /// Called with the steps done and their total, from any thread.
     pub progress: Option<&'a (dyn Fn(usize, usize) + Sync)>,
 }
 
 impl Default for Options<'_> {
     fn default() -> Self {
-        Options { seed: 1, budget: 1_500_000, thetas: &THETAS, profile: Profile::Strict, progress: None }
+        Options {
+            seed: 1,
+            budget: 1_500_000,
+            thetas: &THETAS,
+            profile: Profile::Strict,
+            tolerance: TOLERANCE,
+            distribution: false,
+            progress: None,
+        }
     }
 }
 
@@ -99,16 +122,35 @@ impl core::fmt::Debug for Options<'_> {
             .field("budget", &self.budget)
             .field("thetas", &self.thetas)
             .field("profile", &self.profile)
+            .field("tolerance", &self.tolerance)
+            .field("distribution", &self.distribution)
             .finish_non_exhaustive()
     }
 }
 
 /// Puts a subject through every check.
 ///
-/// Energy with the view fixed and with the light fixed, at every angle of [`Options::thetas`] and then uphill from the worst;
-/// at three azimuths if the subject is measured to be anisotropic. Reciprocity, finiteness and sign over [`Class`]es of
-/// pairs. The findings come in that order; the same options give the same report.
+/// Energy with the view fixed and with the light fixed, at every angle of [`Options::thetas`], at bumps between them, and then
+/// uphill from the worst; at several azimuths if the subject is measured to be anisotropic. Reciprocity, finiteness and sign
+/// over [`Class`]es of pairs. Its samples, if it draws any. The findings come in that order, failures with their likely
+/// [`Cause`]; the same options give the same report.
 pub fn check(subject: &dyn Subject, options: &Options<'_>) -> Report {
+    let mut report = examine(subject, options);
+    diagnosis::explain(subject, &mut report, options);
+    report
+}
+
+/// Puts the members of a family through every check, and reports the worst that was found for each.
+///
+/// The box of the parameters is searched together with the angles and the pairs of directions: its corners, then evenly, then
+/// uphill. The default member and the worst ones, their parameters made round, go through [`check`]. A family without
+/// parameters is checked as its one member; with them it takes up to three times [`Options::budget`].
+pub fn check_family(family: &dyn Family, options: &Options<'_>) -> Report {
+    search::check_family(family, options)
+}
+
+/// [`check`] without the causes.
+fn examine(subject: &dyn Subject, options: &Options<'_>) -> Report {
     let mut report = Report {
         subject: subject.name(),
         channel_names: (0..subject.channels()).map(|channel| subject.channel_name(channel)).collect(),
@@ -119,6 +161,7 @@ pub fn check(subject: &dyn Subject, options: &Options<'_>) -> Report {
     };
     // 9 classes, some 5 evaluations a pair: a tenth of the budget.
     let samples = (options.budget / 10 / (5 * Class::ALL.len())).clamp(64, 1 << 16);
+    let mut watch = Watch::default();
     if options.profile != Profile::Term {
         let anisotropic = is_anisotropic(subject, options.seed);
         let azimuths = if anisotropic { &marginals::AZIMUTHS[..] } else { &marginals::AZIMUTHS[..1] };
@@ -126,41 +169,73 @@ pub fn check(subject: &dyn Subject, options: &Options<'_>) -> Report {
             thetas: options.thetas,
             azimuths,
             effort: effort(options, azimuths.len()),
+            tolerance: options.tolerance,
             progress: options.progress,
         };
-        let (findings, albedos, evaluations) = marginals::energy(subject, &plan);
-        report.findings.extend(findings);
-        report.coverage.integrals = albedos.len();
+        let energy = marginals::energy(subject, &plan);
+        report.findings.extend(energy.findings);
+        report.coverage.integrals = energy.albedos.len();
         report.coverage.anisotropic = anisotropic;
-        report.coverage.evaluations += evaluations + 4 * ROTATIONS;
-        report.albedos = albedos;
+        report.coverage.evaluations += energy.evaluations + 4 * ROTATIONS;
+        report.albedos = energy.albedos;
+        watch = energy.watch;
         let (finding, [evaluations, pairs, restarts]) = reciprocity::reciprocity(subject, samples, options.seed);
         report.findings.push(finding);
         report.coverage.evaluations += evaluations;
         report.coverage.pairs += pairs;
         report.coverage.restarts += restarts;
+    } else if options.distribution {
+        let (finding, evaluations) = limits::normalisation(subject, options.seed);
+        report.findings.push(finding);
+        report.coverage.evaluations += evaluations;
     }
-    let (findings, evaluations) = sanity::sanity(subject, samples, options.seed);
+    let (mut findings, evaluations) = sanity::sanity(subject, samples, options.seed);
+    sanity::heed(subject, &watch, &mut findings);
     report.findings.extend(findings);
     report.coverage.evaluations += evaluations;
     report.coverage.pairs = report.coverage.pairs.max(samples * Class::ALL.len());
     report.findings.extend(sanity::precision(subject, samples, options.seed));
-    if options.profile == Profile::Realtime {
-        for finding in &mut report.findings {
-            let light = matches!(finding.place, Place::Marginal { fixed: Fixed::Light, .. });
-            finding.binding &= !(light || finding.check == Check::Reciprocity);
-        }
+    if options.profile != Profile::Term && subject.samples() {
+        let (findings, evaluations) = sampling::sampling(subject, options.budget / 5, options.seed);
+        report.findings.extend(findings);
+        report.coverage.evaluations += evaluations;
+    }
+    for finding in &mut report.findings {
+        soften(finding, options);
+        finding.values = values(subject, finding.place);
     }
     report.notes = subject.notes();
     report
 }
 
-/// Puts the members of a family through every check, and reports the worst member that was found for each.
-///
-/// A family without parameters is checked as its one member.
-pub fn check_family(family: &dyn Family, options: &Options<'_>) -> Report {
-    let defaults: Vec<f64> = family.parameters().iter().map(|parameter| parameter.default).collect();
-    check(&*family.subject(&defaults), options)
+/// What a profile lets pass, or does not bind.
+fn soften(finding: &mut Finding, options: &Options<'_>) {
+    let light = matches!(finding.place, Place::Marginal { fixed: Fixed::Light, .. });
+    match options.profile {
+        Profile::Strict | Profile::Term => {}
+        Profile::Realtime => finding.binding &= !(light || finding.check == Check::Reciprocity),
+        Profile::Measured => {
+            finding.binding &= finding.check != Check::Reciprocity;
+            if finding.check == Check::Sign {
+                finding.limit = finding.limit.min(-options.tolerance);
+                if finding.value >= finding.limit {
+                    finding.verdict = Verdict::Pass;
+                }
+            }
+        }
+    }
+}
+
+/// f at a pair of directions, by all that computes it here.
+fn values(subject: &dyn Subject, place: Place) -> Option<report::Values> {
+    let Place::Pair { wi, wo } = place else { return None };
+    let mut double = vec![0.0; subject.channels()];
+    subject.evaluate(wi, wo, &mut double);
+    let mut single = vec![0.0; subject.channels()];
+    if !subject.evaluate_single(wi.cast(), wo.cast(), &mut single) {
+        single.clear();
+    }
+    Some(report::Values { double, single: single.into_iter().map(f64::from).collect(), gpu: Vec::new() })
 }
 
 /// Shares the budget out over the integrals.
@@ -177,15 +252,20 @@ const ROTATIONS: usize = 256;
 
 /// Whether a common rotation about the normal changes f by more than rounding can.
 fn is_anisotropic(subject: &dyn Subject, seed: u32) -> bool {
-    let (mut f, mut g) = (vec![0.0; subject.channels()], vec![0.0; subject.channels()]);
-    (0..2 * ROTATIONS).any(|i| {
+    let mut pairs = Vec::with_capacity(4 * ROTATIONS);
+    for i in 0..2 * ROTATIONS {
         let class = if i % 2 == 0 { Class::Hemisphere } else { Class::Mirror };
         let (wi, wo) = class.pair(i, seed);
         // Multiples of the golden angle: no symmetry of a figure hides from them.
         let angle = 2.399_963_229_728_653 * (i + 1) as f64;
-        subject.evaluate(wi, wo, &mut f);
-        subject.evaluate(pairs::turned(wi, angle), pairs::turned(wo, angle), &mut g);
-        f.iter().zip(&g).any(|(f, g)| (f - g).abs() > 1e-5 * f.abs().max(g.abs()).max(1e-3))
+        pairs.extend([(wi, wo), (pairs::turned(wi, angle), pairs::turned(wo, angle))]);
+    }
+    let n = subject.channels().max(1);
+    let mut f = vec![0.0; pairs.len() * n];
+    subject.evaluate_many(&pairs, &mut f);
+    f.chunks_exact(2 * n).any(|both| {
+        let (f, g) = both.split_at(n);
+        f.iter().zip(g).any(|(f, g)| (f - g).abs() > 1e-5 * f.abs().max(g.abs()).max(1e-3))
     })
 }
 
@@ -196,6 +276,16 @@ fn is_anisotropic(subject: &dyn Subject, seed: u32) -> bool {
 /// If the verdict is not [`Verdict::Pass`], with the report.
 pub fn assert_plausible(subject: &dyn Subject) {
     let report = check(subject, &Options::default());
+    assert!(report.verdict() == Verdict::Pass, "not plausible\n{report}");
+}
+
+/// [`assert_plausible`] for every member of a family.
+///
+/// # Panics
+///
+/// If the verdict is not [`Verdict::Pass`], with the report.
+pub fn assert_family_plausible(family: &dyn Family) {
+    let report = check_family(family, &Options::default());
     assert!(report.verdict() == Verdict::Pass, "not plausible\n{report}");
 }
 

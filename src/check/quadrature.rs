@@ -155,7 +155,41 @@ impl Cubature {
         }
     }
 
-    fn leaf(&self, point: [f64; 2]) -> usize {
+    /// Halves panels, along either axis in turn, until none holds more than `most` of the points.
+    pub(super) fn divide(&mut self, points: &[[f64; 2]], most: usize) {
+        let mut counts = std::collections::HashMap::<usize, Vec<[f64; 2]>>::new();
+        for &point in points {
+            counts.entry(self.leaf(point)).or_default().push(point);
+        }
+        let mut crowded: Vec<(usize, Vec<[f64; 2]>, u32)> = counts.into_iter().map(|(leaf, held)| (leaf, held, 0)).collect();
+        crowded.sort_by_key(|(leaf, ..)| *leaf);
+        while let Some((leaf, held, depth)) = crowded.pop() {
+            if held.len() <= most || depth > 40 {
+                continue;
+            }
+            let axis = (depth % 2) as usize;
+            let Node { low, high, .. } = self.nodes[leaf];
+            let at = 0.5 * (low[axis] + high[axis]);
+            let first = self.cut(leaf, axis, at);
+            let (below, above) = held.into_iter().partition(|point: &[f64; 2]| point[axis] < at);
+            crowded.extend([(first, below, depth + 1), (first + 1, above, depth + 1)]);
+        }
+    }
+
+    /// The panels with their integrals and errors, of the first channel, neighbours mostly one after the other.
+    pub(super) fn leaves(&self) -> Vec<(usize, f64, f64)> {
+        let mut leaves = Vec::new();
+        let mut open = vec![0];
+        while let Some(node) = open.pop() {
+            match self.nodes[node].cut {
+                Some((_, _, first)) => open.extend([first + 1, first]),
+                None => leaves.push((node, self.estimates[node * self.channels], self.errors[node * self.channels])),
+            }
+        }
+        leaves
+    }
+
+    pub(super) fn leaf(&self, point: [f64; 2]) -> usize {
         let mut node = 0;
         while let Some((axis, at, first)) = self.nodes[node].cut {
             node = first + usize::from(point[axis] >= at);

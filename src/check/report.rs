@@ -1,6 +1,7 @@
 //! What a check found, as data and as a table.
 
 use super::energy::Albedo;
+use super::family::Parameter;
 use super::subject::Fixed;
 use super::verdict::Verdict;
 use crate::frame::Vector;
@@ -21,6 +22,16 @@ pub enum Check {
     Horizon,
     /// Single against double precision. Never binds.
     Precision,
+    /// What [`Subject::sample`](super::Subject::sample) draws against its density, by χ². The value is the p-value.
+    Sampling,
+    /// The density of samples: finite, not negative, its integral at most 1.
+    Density,
+    /// The weight of samples against f·cos/pdf, relatively.
+    Weight,
+    /// A limit in which the subject must be another one, relatively: isotropic where both widths are equal.
+    Limit,
+    /// ∫ D cosθ = 1 of a distribution.
+    Normalisation,
     /// The WGSL twin against the Rust function, in shares of what WGSL allows. The judge itself runs no twin: its caller adds it.
     Twin,
 }
@@ -35,6 +46,11 @@ impl Check {
             Check::Sign => "SIGN",
             Check::Horizon => "HORIZON",
             Check::Precision => "PRECISION",
+            Check::Sampling => "SAMPLING",
+            Check::Density => "DENSITY",
+            Check::Weight => "WEIGHT",
+            Check::Limit => "LIMIT",
+            Check::Normalisation => "NORMALISATION",
             Check::Twin => "TWIN",
         }
     }
@@ -146,6 +162,10 @@ pub struct Coverage {
     pub restarts: usize,
     /// Whether a common rotation about the normal was measured to change f.
     pub anisotropic: bool,
+    /// The parameters whose ranges were searched; none for a subject without.
+    pub parameters: Vec<Parameter>,
+    /// Members of the family that were looked at, and those of them that were put through every check.
+    pub members: [usize; 2],
 }
 
 /// Everything that was found about one subject.
@@ -216,12 +236,13 @@ impl Finding {
     fn measured(&self) -> String {
         match self.check {
             // Rounded up: an error of 0 is never claimed.
-            Check::Energy => format!("{:.4} ± {:.4}", self.value, (self.error * 1e4).ceil().max(1.0) * 1e-4),
+            Check::Energy | Check::Density | Check::Normalisation => format!("{:.4} ± {:.4}", self.value, (self.error * 1e4).ceil().max(1.0) * 1e-4),
             Check::Finite if self.value == 0.0 => "everywhere".into(),
             Check::Finite | Check::Horizon => format!("{} samples", self.value),
             Check::Sign if self.verdict == Verdict::Pass => format!("f ≥ {:.2e}", self.value),
             Check::Twin => format!("{:.0}% used", 100.0 * self.value),
-            Check::Reciprocity | Check::Sign | Check::Precision => format!("{:.2e}", self.value),
+            Check::Sampling => format!("p = {:.1e}", self.value),
+            Check::Reciprocity | Check::Sign | Check::Precision | Check::Weight | Check::Limit => format!("{:.2e}", self.value),
         }
     }
 
@@ -291,12 +312,18 @@ impl Display for Report {
 
 impl Display for Coverage {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Coverage { seed, budget, evaluations, integrals, pairs, restarts, anisotropic } = self;
+        let Coverage { seed, budget, evaluations, integrals, pairs, restarts, anisotropic, .. } = self;
         writeln!(
             f,
             "  seed {seed}, {evaluations} evaluations (budget {budget}), {integrals} integrals, measured {}",
             if *anisotropic { "anisotropic" } else { "isotropic" }
         )?;
+        if !self.parameters.is_empty() {
+            let ranges = self.parameters.iter().map(|p| format!("{} {}…{}", p.name, p.low, p.high));
+            let [seen, checked] = self.members;
+            let ranges: Vec<String> = ranges.collect();
+            writeln!(f, "  searched {}: {seen} members, {checked} of them in full", ranges.join(", "))?;
+        }
         writeln!(
             f,
             "  {pairs} pairs and {restarts} restarts: where no violation was found, the violating measure under this \

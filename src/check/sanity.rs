@@ -2,13 +2,13 @@
 
 use super::pairs::{Class, climb};
 use super::report::{Check, Finding, Place};
-use super::subject::{Pair, Subject};
+use super::subject::{Pair, Subject, Watch};
 use super::verdict::Verdict;
 use crate::frame::Vector;
 
 /// How far below 0 f may be, in sr⁻¹, before the model and not its rounding is at fault: in double and in single precision,
 /// some thousand times the rounding of numbers near 1.
-const NEGATIVE: [f64; 2] = [1e-12, 1e-4];
+pub(super) const NEGATIVE: [f64; 2] = [1e-12, 1e-4];
 
 /// Pairs that are put to the subject at once.
 const BLOCK: usize = 256;
@@ -98,6 +98,28 @@ pub fn sanity(subject: &dyn Subject, samples: usize, seed: u32) -> (Vec<Finding>
     }
     findings.extend(horizon(subject, samples, seed, &mut evaluations));
     (findings, evaluations)
+}
+
+/// Takes into account what the integrals met on their way: they refine towards defects that samples miss.
+pub(super) fn heed(subject: &dyn Subject, watch: &Watch, findings: &mut [Finding]) {
+    let place = |(wi, wo): Pair| Place::Pair { wi, wo };
+    for finding in findings.iter_mut().filter(|finding| !finding.single && finding.verdict == Verdict::Pass) {
+        match (finding.check, watch.broken_at, watch.least) {
+            (Check::Finite, Some((channel, pair)), _) => {
+                finding.value = watch.broken as f64;
+                finding.place = place(pair);
+                finding.channel = Some((channel, subject.channel_name(channel)));
+            }
+            (Check::Sign, _, Some((least, channel, pair))) if -least > NEGATIVE[0] => {
+                finding.value = least;
+                finding.place = place(pair);
+                finding.channel = Some((channel, subject.channel_name(channel)));
+            }
+            _ => continue,
+        }
+        finding.verdict = Verdict::Fail;
+        finding.note = "met by the integrals alone".into();
+    }
 }
 
 /// f of each pair in double precision.

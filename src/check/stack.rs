@@ -1,6 +1,6 @@
 //! A stack under judgement, in double precision and as f32 computes it.
 
-use super::subject::Subject;
+use super::subject::{Sample, Subject};
 use crate::frame::Vector;
 use crate::layered::Stack;
 
@@ -32,5 +32,17 @@ impl<const C: usize> Subject for StackSubject<C> {
     fn evaluate_single(&self, wi: Vector<f32>, wo: Vector<f32>, f: &mut [f32]) -> bool {
         f.copy_from_slice(&self.single.evaluate(wi, wo));
         true
+    }
+    fn samples(&self) -> bool {
+        true
+    }
+    fn sample(&self, wo: Vector<f64>, u: [f64; 3]) -> Option<Sample> {
+        let drawn = self.double.sample(wo, u)?;
+        let scale = drawn.wi.z / drawn.pdf;
+        let weight = self.double.evaluate(drawn.wi, wo).map(|f| f * scale).to_vec();
+        Some(Sample { wi: drawn.wi, weight, pdf: drawn.pdf })
+    }
+    fn pdf(&self, wi: Vector<f64>, wo: Vector<f64>) -> f64 {
+        self.double.pdf(wi, wo)
     }
 }
