@@ -441,6 +441,7 @@ fn merge(family: &dyn Family, space: &Space<'_>, reports: Vec<(Vec<f64>, Report)
         findings: Vec::new(),
         albedos: Vec::new(),
         coverage: Coverage { seed: options.seed, budget: options.budget, ..Coverage::default() },
+        notes: Vec::new(),
     };
     merged.coverage.parameters = space.parameters.to_vec();
     merged.coverage.members = [0, reports.len()];
@@ -452,6 +453,11 @@ fn merge(family: &dyn Family, space: &Space<'_>, reports: Vec<(Vec<f64>, Report)
     for (values, report) in reports {
         if merged.channel_names.is_empty() {
             merged.channel_names = report.channel_names;
+        }
+        for note in report.notes {
+            if !merged.notes.contains(&note) {
+                merged.notes.push(note);
+            }
         }
         let Coverage { evaluations, integrals, pairs, restarts, anisotropic, .. } = report.coverage;
         merged.coverage.evaluations += evaluations;
