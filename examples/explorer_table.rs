@@ -56,10 +56,10 @@ fn row(name: &str, file: &Explorer, budget: usize) -> String {
         at_defaults.verdict().to_string(),
         worst_energy(&at_defaults).map_or_else(String::new, brief),
         reciprocity,
-        violations(&at_defaults, |check| !matches!(check, Check::Energy | Check::Reciprocity)),
+        violations(&at_defaults, file, |check| !matches!(check, Check::Energy | Check::Reciprocity)),
         match searched.verdict() {
             Verdict::Pass => "PASS".to_owned(),
-            verdict => format!("{verdict}: {}", violations(&searched, |_| true)),
+            verdict => format!("{verdict}: {}", violations(&searched, file, |_| true)),
         },
     ];
     format!("| {} |", cells.join(" | "))
@@ -70,20 +70,42 @@ fn worst_energy(report: &Report) -> Option<&Finding> {
     energies.reduce(|a, b| if (b.verdict, b.value) > (a.verdict, a.value) { b } else { a })
 }
 
-/// The findings that bind and are no pass.
-fn violations(report: &Report, of: impl Fn(Check) -> bool) -> String {
-    let bad = report.findings.iter().filter(|f| f.binding && f.verdict != Verdict::Pass && of(f.check));
-    bad.map(|finding| format!("{} {}", finding.check.name(), brief(finding))).collect::<Vec<_>>().join("; ")
+/// The worst of each check that binds and is no pass; in f32 where f64 has nothing to say.
+fn violations(report: &Report, file: &Explorer, of: impl Fn(Check) -> bool) -> String {
+    let bad = || report.findings.iter().filter(|f| f.binding && f.verdict != Verdict::Pass && of(f.check));
+    let key = |f: &Finding| (!f.single, f.verdict, if f.check == Check::Sign { -f.value } else { f.value });
+    let worst = bad().filter(|finding| {
+        let first = bad().filter(|f| f.check == finding.check).reduce(|a, b| if key(b) > key(a) { b } else { a });
+        first.is_some_and(|first| std::ptr::eq(first, *finding))
+    });
+    let line = |finding: &Finding| {
+        let changed: Vec<(String, f64)> = finding
+            .parameters
+            .iter()
+            .zip(file.parameters())
+            .filter(|((_, value), parameter)| *value != parameter.default)
+            .map(|(changed, _)| changed.clone())
+            .collect();
+        let with = if changed.is_empty() { String::new() } else { format!(" with {}", listed(&changed)) };
+        format!("{} {}{with}", finding.check.name(), brief(finding))
+    };
+    worst.map(line).collect::<Vec<_>>().join("; ")
 }
 
-/// A finding without its check and note, with what its parameters are.
+/// A finding without its check, its note and its parameters.
 fn brief(finding: &Finding) -> String {
     let (note, parameters) = (String::new(), Vec::new());
     let line = Finding { note, parameters, ..finding.clone() }.to_string();
     let line = line.strip_prefix(finding.check.name()).unwrap_or(&line).trim_start();
-    if finding.parameters.is_empty() { line.to_owned() } else { format!("{line}, {}", listed(&finding.parameters)) }
+    if finding.value < 1e6 {
+        return line.to_owned();
+    }
+    // Of that many digits nobody reads one.
+    let place = line.split_once(" at ").map_or("", |(_, place)| place);
+    format!("{} {:.1e} at {place}", finding.verdict, finding.value)
 }
 
 fn listed(values: &[(String, f64)]) -> String {
-    values.iter().map(|(name, value)| format!("{name} {value}")).collect::<Vec<_>>().join(", ")
+    let one = |(name, value): &(String, f64)| format!("{name} {}", (value * 1e6).round() / 1e6);
+    values.iter().map(one).collect::<Vec<_>>().join(", ")
 }

@@ -26,7 +26,7 @@ const STATEMENTS: [&str; 24] = [
 
 fn file(source: &mut Unstructured<'_>) -> String {
     let mut text = "analytic\n::begin parameters\n".to_owned();
-    let mut pick = |from: &[&'static str], source: &mut Unstructured<'_>| {
+    let pick = |from: &[&'static str], source: &mut Unstructured<'_>| {
         from[usize::from(u8::arbitrary(source).unwrap_or(0)) % from.len()]
     };
     for _ in 0..u8::arbitrary(source).unwrap_or(0) % 5 {
