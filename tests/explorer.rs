@@ -3,7 +3,7 @@
 
 use brdf::Vector;
 use brdf::check::{self, Check, Explorer, Family, Fixed, Options, Profile, Scale, Verdict};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 fn file(parameters: &str, shader: &str) -> String {
     format!(
@@ -20,8 +20,8 @@ fn pairs() -> Vec<(Vector<f64>, Vector<f64>)> {
     let u = |i: u32, a: f64| (0.5 + f64::from(i) * a).fract();
     (0..600)
         .map(|i| {
-            let wi = Vector::from_angles(1.5 * u(i, 0.754_877_666), 6.28 * u(i, 0.569_840_290));
-            (wi, Vector::from_angles(1.5 * u(i, 0.819_172_513), 6.28 * u(i, 0.671_043_606)))
+            let wi = Vector::from_angles(1.5 * u(i, 0.754_877_666), TAU * u(i, 0.569_840_290));
+            (wi, Vector::from_angles(1.5 * u(i, 0.819_172_513), TAU * u(i, 0.671_043_606)))
         })
         .collect()
 }

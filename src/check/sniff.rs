@@ -316,7 +316,7 @@ mod tests {
         let mut mit: Vec<u8> = [90, 7200, 3, 0].iter().flat_map(|d| i32::to_le_bytes(*d % 4096)).collect();
         mit.extend([0i32, 0, 0, 0, 0, 0, 3, 0, 0, 0, 0, 0].iter().flat_map(|d| d.to_le_bytes()));
         mit.extend([0.25f32; 16].iter().flat_map(|x| x.to_le_bytes()));
-        let utia = [0.125f64; 3 * 288 * 288].map(f64::to_le_bytes).concat();
+        let utia = 0.125f64.to_le_bytes().repeat(3 * 288 * 288);
         let cases: [(&[u8], &str); 16] = [
             (b"", "empty"),
             (b" \n\t", "empty"),
