@@ -188,6 +188,13 @@ fn direction(name: &str) -> Option<Direction> {
     }
 }
 
+/// Whether a vector may have this name: a width or a slider in three components is something else.
+fn is_colour(name: &str) -> bool {
+    let parts = ["f0", "r0", "f90", "color", "colour", "albedo", "rho", "diffuse", "reflect", "radiance", "intensity"];
+    let names = ["kd", "ks", "cdiff", "cspec", "specular", "energycompensation", "sheen", "attenuation"];
+    names.contains(&name) || parts.iter().any(|part| name.contains(part))
+}
+
 /// What a parameter of a material is taken to be where nobody says.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Known {
@@ -201,7 +208,7 @@ pub(super) enum Known {
 ///
 /// Reflectances are 1 unless set: a white surface is what shows whether energy is kept. Roughness starts above 0, where
 /// most models are singular by design.
-pub(super) fn known(name: &str) -> Option<Known> {
+pub(super) fn known(name: &str, size: usize) -> Option<Known> {
     let name = plain(name);
     let name = ["material", "mat", "u", "brdf", "base", "k"]
         .into_iter()
@@ -209,7 +216,11 @@ pub(super) fn known(name: &str) -> Option<Known> {
         .unwrap_or(&name);
     let even = |low, high, default| Some(Known::Searched { low, high, default, scale: Scale::Linear });
     let log = |low, high, default| Some(Known::Searched { low, high, default, scale: Scale::Logarithmic });
+    if name.contains("light") && ["color", "colour", "intensity", "radiance"].iter().any(|part| name.contains(part)) {
+        return Some(Known::Fixed(1.0));
+    }
     match name {
+        _ if size > 2 && !is_colour(name) => return None,
         "a" | "alpha" | "alphag" | "ggxalpha" | "roughnessalpha" | "alpharoughness" | "ax" | "ay" | "at" | "ab" | "alphax"
         | "alphay" | "alphat" | "alphab" | "linearroughness" => return log(0.002, 1.0, 0.25),
         "a2" | "alpha2" | "alphasq" | "asq" | "alphasquared" | "roughness4" => return log(4e-6, 1.0, 0.0625),
