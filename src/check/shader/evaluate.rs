@@ -19,7 +19,9 @@ pub struct ShaderSubject<'a> {
 pub(super) fn explained(error: &InterpError, function: &str) -> String {
     match error {
         InterpError::Budget(steps) => {
-            format!("`{function}` has not ended after {steps} steps: it has a loop that does not end, or takes too long")
+            format!(
+                "`{function}` has not ended after {steps} steps: it has a loop that does not end, or takes too long"
+            )
         }
         other => other.to_string(),
     }
@@ -47,8 +49,7 @@ impl ShaderFamily {
         let values: Vec<f64> = self.parameters.iter().map(|parameter| parameter.default).collect();
         let wi = Vector::new(0.48, 0.36, 0.8);
         let wo = Vector::new(-0.6, 0.0, 0.8);
-        let row: Vec<f64> =
-            [wi.x, wi.y, wi.z, wo.x, wo.y, wo.z].into_iter().chain(values.iter().copied()).collect();
+        let row: Vec<f64> = [wi.x, wi.y, wi.z, wo.x, wo.y, wo.z].into_iter().chain(values.iter().copied()).collect();
         let single: Vec<Cell<f32>> = row.iter().map(|x| Cell::Real(*x as f32)).collect();
         let double: Vec<Cell<f64>> = row.into_iter().map(Cell::Real).collect();
         self.single.run(&single, &mut Buffers::new()).map_err(|error| explained(&error, &self.name))?;

@@ -155,7 +155,8 @@ impl ShaderFamily {
         let source = Source::load(name, text, language, &environment)?;
         let compiled = source.compile(&options.function, &|variable| slots::is_named(options, variable))?;
         let mut mapping = slots::map(&compiled, options).map_err(|what| compiled.error(what))?;
-        let (wrapper, channels) = wrapper::wrapper(&compiled, &mapping, options).map_err(|what| compiled.error(what))?;
+        let (wrapper, channels) =
+            wrapper::wrapper(&compiled, &mapping, options).map_err(|what| compiled.error(what))?;
         let wgsl = compiled.with(&wrapper)?;
         let refuse = |error: InterpError| compiled.error(evaluate::explained(&error, &options.function));
         let single = Shader::parse(&wgsl).map_err(|error| refuse(error.into()))?;

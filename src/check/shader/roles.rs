@@ -221,12 +221,12 @@ pub(super) fn known(name: &str, size: usize) -> Option<Known> {
     }
     match name {
         _ if size > 2 && !is_colour(name) => return None,
-        "a" | "alpha" | "alphag" | "ggxalpha" | "roughnessalpha" | "alpharoughness" | "ax" | "ay" | "at" | "ab" | "alphax"
-        | "alphay" | "alphat" | "alphab" | "linearroughness" => return log(0.002, 1.0, 0.25),
+        "a" | "alpha" | "alphag" | "ggxalpha" | "roughnessalpha" | "alpharoughness" | "ax" | "ay" | "at" | "ab"
+        | "alphax" | "alphay" | "alphat" | "alphab" | "linearroughness" => return log(0.002, 1.0, 0.25),
         "a2" | "alpha2" | "alphasq" | "asq" | "alphasquared" | "roughness4" => return log(4e-6, 1.0, 0.0625),
-        "f0" | "specularf0" | "specularcolor" | "speccolor" | "r0" | "albedo" | "rho" | "kd" | "ks" | "color" | "basecolor"
-        | "diffuse" | "diffusecolor" | "diffusealbedo" | "diffusereflectance" | "reflectance0" | "reflectivity" | "cdiff"
-        | "cspec" | "c" => return even(0.0, 1.0, 1.0),
+        "f0" | "specularf0" | "specularcolor" | "speccolor" | "r0" | "albedo" | "rho" | "kd" | "ks" | "color"
+        | "basecolor" | "diffuse" | "diffusecolor" | "diffusealbedo" | "diffusereflectance" | "reflectance0"
+        | "reflectivity" | "cdiff" | "cspec" | "c" => return even(0.0, 1.0, 1.0),
         "reflectance" | "specular" | "specularlevel" => return even(0.0, 1.0, 0.5),
         "metallic" | "metalness" | "metal" | "metallicness" | "subsurface" | "sheen" | "sheentint" | "speculartint"
         | "clearcoat" | "anisotropic" | "anisotropy" | "flatness" | "retroreflectivity" => return even(0.0, 1.0, 0.0),
@@ -235,9 +235,11 @@ pub(super) fn known(name: &str, size: usize) -> Option<Known> {
         "shininess" | "exponent" | "specularpower" | "specularexponent" | "power" => return log(1.0, 1000.0, 32.0),
         "glossiness" | "smoothness" | "gloss" => return even(0.0, 0.95, 0.5),
         "sigma" => return even(0.0, 1.0, 0.5),
-        "f90" | "specularf90" | "reflectance90" | "occlusion" | "ao" | "visibility" | "shadow" | "attenuation" | "radiance"
-        | "irradiance" | "lightcolor" | "lightintensity" | "intensity" | "specularweight" | "specularfactor" | "weight"
-        | "energycompensation" | "specularintensity" | "diffuseintensity" => return Some(Known::Fixed(1.0)),
+        "f90" | "specularf90" | "reflectance90" | "occlusion" | "ao" | "visibility" | "shadow" | "attenuation"
+        | "radiance" | "irradiance" | "lightcolor" | "lightintensity" | "intensity" | "specularweight"
+        | "specularfactor" | "weight" | "energycompensation" | "specularintensity" | "diffuseintensity" => {
+            return Some(Known::Fixed(1.0));
+        }
         _ => {}
     }
     if name.contains("rough") {
@@ -254,7 +256,10 @@ mod tests {
     #[test]
     fn directions_by_their_names() {
         for (want, names) in [
-            (Wi, "wi L l lightDir light_direction LightVector uLightDir dirToLight w_i omega_i incomingDir surfaceToLight"),
+            (
+                Wi,
+                "wi L l lightDir light_direction LightVector uLightDir dirToLight w_i omega_i incomingDir surfaceToLight",
+            ),
             (Wo, "wo V v viewDir view_direction eyeVec toEye cameraDir w_o outgoing vViewDir"),
             (Normal, "N n normal vNormal worldNormal geometryNormal normal_ws nrm clearcoatNormal"),
             (Half, "H h halfVector half_vector wh halfDir"),
@@ -273,7 +278,10 @@ mod tests {
     #[test]
     fn cosines_by_their_names() {
         for ((a, b), names) in [
-            ((Normal, Wi), "NoL NdotL n_dot_l dotNL NL nDotL ndotl clampedNdotL cosThetaI cos_theta_i mu_i NdotLClamped N_dot_L cosNL"),
+            (
+                (Normal, Wi),
+                "NoL NdotL n_dot_l dotNL NL nDotL ndotl clampedNdotL cosThetaI cos_theta_i mu_i NdotLClamped N_dot_L cosNL",
+            ),
             ((Normal, Wo), "NoV NdotV dotNV cosThetaO n_dot_v absNdotV NdotE"),
             ((Normal, Half), "NoH NdotH dotNH nh cosThetaH"),
             ((Wi, Half), "LoH LdotH dotLH l_dot_h cosThetaD"),

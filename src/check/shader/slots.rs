@@ -93,7 +93,8 @@ pub(super) fn map(compiled: &Compiled<'_>, options: &Options) -> Result<Mapping,
     let said = said(options)?;
     let mut told: Vec<[Option<&str>; 3]> = vec![[None; 3]; mapping.slots.len()];
     for said in &said {
-        let index = named(&mapping.slots, said.name).map_err(|what| format!("{} {}: {what}", said.option, said.name))?;
+        let index =
+            named(&mapping.slots, said.name).map_err(|what| format!("{} {}: {what}", said.option, said.name))?;
         let which = ["--map", "--param", "--range"].iter().position(|option| *option == said.option).unwrap_or(0);
         if let Some(slot) = told.get_mut(index).and_then(|slots| slots.get_mut(which))
             && slot.replace(said.value).is_some()
@@ -131,7 +132,8 @@ pub(super) fn map(compiled: &Compiled<'_>, options: &Options) -> Result<Mapping,
     };
     if !mapping.slots.iter().any(is_of_light) {
         let is_guess = |slot: &&Slot| {
-            let along = matches!(slot.source, Source::Geometry(Role::Along(Direction::Tangent | Direction::Bitangent, _)));
+            let along =
+                matches!(slot.source, Source::Geometry(Role::Along(Direction::Tangent | Direction::Bitangent, _)));
             along && !is_named(options, &slot.path)
         };
         open.extend(mapping.slots.iter().filter(is_guess).map(|slot| format!("`{}`", slot.path)));
@@ -234,7 +236,8 @@ fn named(slots: &[Slot], name: &str) -> Result<usize, String> {
         return Ok(index);
     }
     let end = format!(".{name}");
-    let ends: Vec<usize> = (0..slots.len()).filter(|at| slots.get(*at).is_some_and(|s| s.path.ends_with(&end))).collect();
+    let ends: Vec<usize> =
+        (0..slots.len()).filter(|at| slots.get(*at).is_some_and(|s| s.path.ends_with(&end))).collect();
     let paths = |which: &[usize]| {
         let named = which.iter().filter_map(|at| slots.get(*at)).map(|slot| slot.path.as_str());
         named.take(40).collect::<Vec<_>>().join(", ")
@@ -242,7 +245,10 @@ fn named(slots: &[Slot], name: &str) -> Result<usize, String> {
     match ends.as_slice() {
         [only] => Ok(*only),
         [] if slots.is_empty() => Err("the function waits for no value".to_owned()),
-        [] => Err(format!("there is no such value; the function waits for {}", paths(&(0..slots.len()).collect::<Vec<_>>()))),
+        [] => Err(format!(
+            "there is no such value; the function waits for {}",
+            paths(&(0..slots.len()).collect::<Vec<_>>())
+        )),
         several => Err(format!("which of {}?", paths(several))),
     }
 }
@@ -264,7 +270,11 @@ fn number(text: &str) -> Result<f64, String> {
         text => text.parse::<f64>().map_err(|_| format!("`{text}` is not a number"))?,
     };
     // A literal beyond f32 is no shader's.
-    if value.abs() <= f64::from(f32::MAX) { Ok(value) } else { Err(format!("`{}` is not a number of 32 bits", text.trim())) }
+    if value.abs() <= f64::from(f32::MAX) {
+        Ok(value)
+    } else {
+        Err(format!("`{}` is not a number of 32 bits", text.trim()))
+    }
 }
 
 fn numbers(slot: &Slot, text: &str) -> Result<Vec<f64>, String> {
@@ -280,12 +290,7 @@ fn numbers(slot: &Slot, text: &str) -> Result<Vec<f64>, String> {
     }
 }
 
-fn searched(
-    slot: &Slot,
-    range: &str,
-    value: Option<&str>,
-    parameters: &mut Vec<Parameter>,
-) -> Result<Source, String> {
+fn searched(slot: &Slot, range: &str, value: Option<&str>, parameters: &mut Vec<Parameter>) -> Result<Source, String> {
     let of = |what: String| format!("--range {}={range}: {what}", slot.path);
     if slot.size == 0 {
         return Err(of("a matrix cannot be searched".to_owned()));
@@ -306,7 +311,9 @@ fn searched(
     let middle = if scale == Scale::Logarithmic { (low * high).sqrt() } else { 0.5 * (low + high) };
     let default = match (value, known(&slot.name, slot.size)) {
         (Some(value), _) => number(value).map_err(|what| format!("--param {}={value}: {what}", slot.path))?,
-        (None, Some(Known::Searched { default, .. } | Known::Fixed(default))) if (low..=high).contains(&default) => default,
+        (None, Some(Known::Searched { default, .. } | Known::Fixed(default))) if (low..=high).contains(&default) => {
+            default
+        }
         _ => middle,
     };
     if !(low..=high).contains(&default) {
@@ -323,7 +330,8 @@ fn guessed(slot: &Slot, mapping: &mut Mapping) -> Option<Source> {
         return None;
     }
     // `light.direction` says it with what it is a part of.
-    let is_part = matches!(slot.name.to_ascii_lowercase().as_str(), "direction" | "dir" | "vector" | "vec" | "color" | "colour");
+    let is_part =
+        matches!(slot.name.to_ascii_lowercase().as_str(), "direction" | "dir" | "vector" | "vec" | "color" | "colour");
     let name = if is_part { slot.path.replace('.', "") } else { slot.name.clone() };
     if let Some(role) = role(&name, slot.size) {
         return Some(Source::Geometry(role));
@@ -349,7 +357,8 @@ fn guessed(slot: &Slot, mapping: &mut Mapping) -> Option<Source> {
 impl Slot {
     /// The slot's value as an expression of the language.
     pub(super) fn expression(&self, language: Language) -> Option<String> {
-        let float = |size: usize| if language == Language::Wgsl { format!("vec{size}<f32>") } else { format!("vec{size}") };
+        let float =
+            |size: usize| if language == Language::Wgsl { format!("vec{size}<f32>") } else { format!("vec{size}") };
         let scalar_name = match (language, self.scalar) {
             (Language::Wgsl, scalar) => scalar.name(),
             (Language::Glsl, Scalar::F32) => "float",

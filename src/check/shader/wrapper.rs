@@ -98,8 +98,7 @@ pub(super) fn wrapper(
     let declared: Vec<String> =
         declared.map(|(name, ty)| if wgsl { format!("{name}: {ty}") } else { format!("{ty} {name}") }).collect();
     let (name, declared) = (ShaderFamily::ENTRY, declared.join(", "));
-    let head =
-        if wgsl { format!("fn {name}({declared}) -> {ty}") } else { format!("{ty} {name}({declared})") };
+    let head = if wgsl { format!("fn {name}({declared}) -> {ty}") } else { format!("{ty} {name}({declared})") };
     Ok((format!("{head} {{\n{body}}}\n"), if size == 1 { 1 } else { 3 }))
 }
 
@@ -144,7 +143,9 @@ fn chosen(compiled: &Compiled<'_>, places: &[Place], options: &Options) -> Resul
         let found = places.iter().find(|place| place.name == part);
         let Some(found) = found else {
             return Err(match names() {
-                names if names.is_empty() => format!("--result {part}: `{signature}` has one result, which needs no name"),
+                names if names.is_empty() => {
+                    format!("--result {part}: `{signature}` has one result, which needs no name")
+                }
                 names => format!("--result {part}: `{signature}` has the results {names}"),
             });
         };

@@ -40,6 +40,12 @@ pub(super) struct Columns<N> {
     words: Vec<Vec<u32>>,
 }
 
+impl<N> Columns<N> {
+    pub(super) fn width(&self) -> usize {
+        self.width
+    }
+}
+
 /// The state of a block of lanes.
 pub(super) struct Machine<'c, N: Number> {
     code: &'c Code<N>,

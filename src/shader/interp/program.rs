@@ -89,8 +89,10 @@ pub struct Program<N: Number> {
 struct Kept<N>(Mutex<Vec<Columns<N>>>);
 
 impl<N> Kept<N> {
-    fn take(&self) -> Option<Columns<N>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).pop()
+    fn take(&self, width: usize) -> Option<Columns<N>> {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let fitting = kept.iter().rposition(|columns| columns.width() == width)?;
+        Some(kept.swap_remove(fitting))
     }
     fn put(&self, columns: Columns<N>) {
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -327,7 +329,8 @@ impl<N: Number> Program<N> {
     }
 
     fn machine(&self, rows: usize, buffers: &Buffers) -> Result<Machine<'_, N>, InterpError> {
-        let mut machine = Machine::new(&self.code, self.block.min(rows.max(1)), self.budget, self.kept.take())?;
+        let width = self.block.min(rows.max(1));
+        let mut machine = Machine::new(&self.code, width, self.budget, self.kept.take(width))?;
         for memory in &self.code.memories {
             machine.shared.push(self.filled(memory, buffers)?);
         }

@@ -279,7 +279,9 @@ fn described(module: &naga::Module, function: &naga::Function, name: &str) -> Re
             _ => (Type::of(module, argument.ty), false),
         };
         let ty = ty.map_err(|what| {
-            format!("the parameter `{own}` of `{name}` is {what}: values of 32 bits and what is made of them can be given")
+            format!(
+                "the parameter `{own}` of `{name}` is {what}: values of 32 bits and what is made of them can be given"
+            )
         })?;
         parameters.push(Parameter { name: own, ty });
         written.push(is_pointer);
@@ -295,14 +297,17 @@ impl Entry {
     /// The declaration as the language writes it.
     pub fn signature(&self, language: Language) -> String {
         let name = |ty: &Type| type_name(ty, language);
-        let parameters: Vec<String> = self.parameters.iter().zip(&self.written).map(|(parameter, written)| {
-            match (language, written) {
+        let parameters: Vec<String> = self
+            .parameters
+            .iter()
+            .zip(&self.written)
+            .map(|(parameter, written)| match (language, written) {
                 (Language::Wgsl, false) => format!("{}: {}", parameter.name, name(&parameter.ty)),
                 (Language::Wgsl, true) => format!("{}: ptr<function, {}>", parameter.name, name(&parameter.ty)),
                 (Language::Glsl, false) => format!("{} {}", name(&parameter.ty), parameter.name),
                 (Language::Glsl, true) => format!("inout {} {}", name(&parameter.ty), parameter.name),
-            }
-        }).collect();
+            })
+            .collect();
         let (own, parameters) = (&self.name, parameters.join(", "));
         match (language, &self.result) {
             (Language::Wgsl, None) => format!("fn {own}({parameters})"),

@@ -53,8 +53,7 @@ pub(super) fn load(
     let directory = Path::new(name).parent().filter(|_| Path::new(name).is_file()).map(Path::to_path_buf);
     // A file name alone has an empty parent.
     let directory = directory.map(|path| if path.as_os_str().is_empty() { PathBuf::from(".") } else { path });
-    let mut loader =
-        Loader { language, environment, files, units: Vec::new(), known: BTreeMap::new(), declared: None };
+    let mut loader = Loader { language, environment, files, units: Vec::new(), known: BTreeMap::new(), declared: None };
     loader.unit(name, text, directory, String::new())?;
     Ok(loader.units)
 }
@@ -134,7 +133,8 @@ impl Loader<'_> {
             if let Some(known) = self.known.get(&found) {
                 return Ok(Some((*known, item)));
             }
-            let prefix = format!("{}_", module.last().map_or("", |last| last).replace(|c: char| !c.is_alphanumeric(), "_"));
+            let prefix =
+                format!("{}_", module.last().map_or("", |last| last).replace(|c: char| !c.is_alphanumeric(), "_"));
             let prefix = self.unlike_others(prefix);
             let index = self.units.len();
             self.known.insert(found.clone(), index);
@@ -173,11 +173,14 @@ impl Loader<'_> {
         if let Some(declared) = self.declared(directory).get(&path.join("::")) {
             return Some(Module::File(declared.clone()));
         }
-        let own = |name: &str| crate::wgsl::MODULES.iter().find(|(own, _)| *own == name).map(|(own, _)| Module::Own(own));
+        let own =
+            |name: &str| crate::wgsl::MODULES.iter().find(|(own, _)| *own == name).map(|(own, _)| Module::Own(own));
         match path {
             [package, module] if &**package == "brdf" => return own(module),
             // Within the library its modules import each other.
-            [package, module] if directory.is_none() && matches!(&**package, "package" | "super") => return own(module),
+            [package, module] if directory.is_none() && matches!(&**package, "package" | "super") => {
+                return own(module);
+            }
             _ => {}
         }
         // `super` is the directory above that of the module's own children: where the module itself lies.
@@ -216,7 +219,9 @@ impl Loader<'_> {
             let mut found = BTreeMap::new();
             let mut left = MOST_SEARCHED;
             // The files beside the first one, and all below the directories given.
-            for (root, deep) in directory.map(|path| (path, false)).into_iter().chain(include.iter().map(|path| (path.as_path(), true))) {
+            for (root, deep) in
+                directory.map(|path| (path, false)).into_iter().chain(include.iter().map(|path| (path.as_path(), true)))
+            {
                 search(root, if deep { 16 } else { 0 }, &mut left, &mut found);
             }
             found

@@ -1,8 +1,8 @@
 //! A preprocessed text split into its declarations: as much grammar as it takes to tell which of them a function needs.
 
+use super::Language;
 use super::error::SourceError;
 use super::lexer::{File, Kind, Token, is_name};
-use super::Language;
 use std::rc::Rc;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -134,8 +134,25 @@ fn without_precision(tokens: Vec<Token>) -> Vec<Token> {
 }
 
 const QUALIFIERS: [&str; 19] = [
-    "uniform", "varying", "attribute", "in", "out", "buffer", "shared", "const", "flat", "smooth", "noperspective",
-    "centroid", "sample", "invariant", "readonly", "writeonly", "coherent", "restrict", "patch",
+    "uniform",
+    "varying",
+    "attribute",
+    "in",
+    "out",
+    "buffer",
+    "shared",
+    "const",
+    "flat",
+    "smooth",
+    "noperspective",
+    "centroid",
+    "sample",
+    "invariant",
+    "readonly",
+    "writeonly",
+    "coherent",
+    "restrict",
+    "patch",
 ];
 
 fn glsl_item(declaration: &[Token]) -> Vec<Item> {

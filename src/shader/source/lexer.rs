@@ -1,7 +1,7 @@
 //! Text as tokens that know where they were written: what the preprocessor and everything after it work on.
 
-use super::error::SourceError;
 use super::Language;
+use super::error::SourceError;
 use std::rc::Rc;
 
 /// A file that tokens came from.
@@ -234,8 +234,7 @@ mod tests {
     #[test]
     fn tokens_are_as_long_as_they_can_be() {
         let both = "a<<=b##c 1.5e-3f .5 0x1p-3 x.y->z::w // c \\\n d\n/* e */f";
-        let want =
-            ["a", "<<=", "b", "##", "c", "1.5e-3f", ".5", "0x1p-3", "x", ".", "y", "->", "z", "::", "w", "f"];
+        let want = ["a", "<<=", "b", "##", "c", "1.5e-3f", ".5", "0x1p-3", "x", ".", "y", "->", "z", "::", "w", "f"];
         assert_eq!(texts(both, Language::Glsl), want);
         assert_eq!(texts("a\\\nb \"c d\" #include <e>", Language::Glsl).len(), 8);
         assert_eq!(texts("1.xx 2..3", Language::Glsl), ["1.xx", "2.", ".3"]);

@@ -1,8 +1,8 @@
 //! Macros, expanded as C's preprocessor does: arguments first, and no macro within itself.
 
+use super::Language;
 use super::error::SourceError;
 use super::lexer::{File, Hidden, HiddenList, Kind, Token, lex};
-use super::Language;
 use std::collections::{BTreeMap, VecDeque};
 use std::rc::Rc;
 
@@ -37,7 +37,10 @@ impl Macros {
             let name = name.trim();
             let plain = name.chars().all(|c| c.is_alphanumeric() || c == '_');
             if !super::lexer::is_name(name) || !plain {
-                return Err(SourceError::of("", format!("-D {define}: `{name}` is not a name; write NAME or NAME=VALUE")));
+                return Err(SourceError::of(
+                    "",
+                    format!("-D {define}: `{name}` is not a name; write NAME or NAME=VALUE"),
+                ));
             }
             let file = File { name: format!("-D {define}"), text: value.to_owned(), directory: None };
             let body = lex(&[file], 0, Language::Glsl)?;
@@ -67,13 +70,18 @@ impl Macros {
         let mut input: VecDeque<Token> = tokens.into();
         let mut output = Vec::with_capacity(input.len());
         while let Some(token) = input.pop_front() {
-            let found = if token.is_word() && !is_hidden(&token) { self.defined.get(&token.text).cloned() } else { None };
+            let found =
+                if token.is_word() && !is_hidden(&token) { self.defined.get(&token.text).cloned() } else { None };
             let Some(found) = found else {
                 output.push(token);
                 continue;
             };
             if depth > MOST_NESTING {
-                return Err(SourceError::at(files, token.origin, format!("macros nested more than {MOST_NESTING} deep")));
+                return Err(SourceError::at(
+                    files,
+                    token.origin,
+                    format!("macros nested more than {MOST_NESTING} deep"),
+                ));
             }
             let body = match &found.parameters {
                 None => found.body,
@@ -82,9 +90,8 @@ impl Macros {
                     continue;
                 }
                 Some(parameters) => {
-                    let arguments = arguments(&mut input).ok_or_else(|| {
-                        SourceError::at(files, token.origin, format!("`{}(` has no `)`", token.text))
-                    })?;
+                    let arguments = arguments(&mut input)
+                        .ok_or_else(|| SourceError::at(files, token.origin, format!("`{}(` has no `)`", token.text)))?;
                     // `F()` is one empty argument, or none.
                     let nothing = arguments.len() == 1 && arguments.iter().all(Vec::is_empty);
                     let count = if nothing && parameters.is_empty() { 0 } else { arguments.len() };
@@ -152,10 +159,15 @@ impl Macros {
                 },
                 None => vec![token.clone()],
             };
-            if parameter.is_some() && let Some(first) = parts.first_mut() {
+            if parameter.is_some()
+                && let Some(first) = parts.first_mut()
+            {
                 first.spaced = token.spaced;
             }
-            if std::mem::take(&mut paste) && !parts.is_empty() && let Some(left) = output.pop() {
+            if std::mem::take(&mut paste)
+                && !parts.is_empty()
+                && let Some(left) = output.pop()
+            {
                 let right = parts.remove(0);
                 output.push(Token { text: format!("{}{}", left.text, right.text).into(), ..left });
             }

@@ -91,12 +91,7 @@ impl Source {
     ///
     /// # Errors
     /// A directive, include, macro or import that cannot be followed, with its place.
-    pub fn load(
-        name: &str,
-        text: &str,
-        language: Language,
-        environment: &Environment,
-    ) -> Result<Self, SourceError> {
+    pub fn load(name: &str, text: &str, language: Language, environment: &Environment) -> Result<Self, SourceError> {
         let mut files = Vec::new();
         let units = imports::load(name, text, language, environment, &mut files)?;
         Ok(Source { language, files, units })

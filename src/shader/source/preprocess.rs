@@ -173,7 +173,8 @@ impl Preprocessor<'_> {
             "if" | "ifdef" | "ifndef" => {
                 let active = self.is_active();
                 let holds = active && self.holds(name, rest)?;
-                let conditional = Conditional { origin: hash.origin, active: holds, taken: holds || !active, is_last: false };
+                let conditional =
+                    Conditional { origin: hash.origin, active: holds, taken: holds || !active, is_last: false };
                 self.conditionals.push(conditional);
                 return Ok(());
             }
@@ -305,7 +306,8 @@ impl Preprocessor<'_> {
         let Some(path) = found(directories.clone(), &wanted) else {
             let looked: Vec<String> = directories.map(|directory| directory.display().to_string()).collect();
             let looked = if looked.is_empty() { "nowhere: no -I is given".to_owned() } else { looked.join(", ") };
-            let message = format!("`{wanted}` is not found; give the directory that it is in with -I (looked in {looked})");
+            let message =
+                format!("`{wanted}` is not found; give the directory that it is in with -I (looked in {looked})");
             return Err(self.error(keyword.origin, message));
         };
         let text = read(&path).map_err(|reason| self.error(keyword.origin, format!("{}: {reason}", path.display())))?;
@@ -318,7 +320,8 @@ impl Preprocessor<'_> {
 /// A file's text, or why it cannot be had.
 pub(super) fn read(path: &Path) -> Result<String, String> {
     let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
-    String::from_utf8(bytes).map_err(|error| format!("not a text: byte {} is not UTF-8", error.utf8_error().valid_up_to()))
+    String::from_utf8(bytes)
+        .map_err(|error| format!("not a text: byte {} is not UTF-8", error.utf8_error().valid_up_to()))
 }
 
 /// The first file of that name in the directories; names without an ending may lack a shader's.
@@ -352,11 +355,13 @@ mod tests {
     use super::*;
 
     fn run(text: &str, language: Language, defines: &[&str]) -> Result<String, String> {
-        let environment = Environment { defines: defines.iter().map(|d| (*d).to_owned()).collect(), ..Default::default() };
+        let environment =
+            Environment { defines: defines.iter().map(|d| (*d).to_owned()).collect(), ..Default::default() };
         let mut files = Vec::new();
         let index = add(&mut files, "a", text, None).unwrap();
         let mut macros = Macros::new(&environment.defines).map_err(|error| error.to_string())?;
-        let done = preprocess(&mut files, index, language, &environment, &mut macros).map_err(|error| error.to_string())?;
+        let done =
+            preprocess(&mut files, index, language, &environment, &mut macros).map_err(|error| error.to_string())?;
         Ok(done.tokens.iter().map(|token| &*token.text).collect::<Vec<_>>().join(" "))
     }
     fn glsl(text: &str) -> String {
@@ -366,8 +371,10 @@ mod tests {
     #[test]
     fn macros_expand() {
         assert_eq!(glsl("#define PI 3.14\n#define TAU (2.0*PI)\nTAU"), "( 2.0 * 3.14 )");
-        assert_eq!(glsl("#define saturate( a ) clamp( a, 0.0, 1.0 )\nsaturate(dot(n, l))"),
-            "clamp ( dot ( n , l ) , 0.0 , 1.0 )");
+        assert_eq!(
+            glsl("#define saturate( a ) clamp( a, 0.0, 1.0 )\nsaturate(dot(n, l))"),
+            "clamp ( dot ( n , l ) , 0.0 , 1.0 )"
+        );
         assert_eq!(glsl("#define F(x) F(x + 1)\nF(F(y)) F"), "F ( F ( y + 1 ) + 1 ) F");
         assert_eq!(glsl("#define A B\n#define B A\nA B"), "A B");
         assert_eq!(glsl("#define CAT(a, b) a##_##b\nCAT(x, y)"), "x_y");
@@ -384,7 +391,10 @@ mod tests {
         assert_eq!(run(text, Language::Glsl, &["A", "B=2"]).unwrap(), "one end");
         assert_eq!(run(text, Language::Glsl, &["C", "B=1"]).unwrap(), "two end");
         assert_eq!(run(text, Language::Glsl, &["C", "B=0"]).unwrap(), "three end");
-        assert_eq!(glsl("#ifndef X\n#define X\n#ifdef X\na\n#endif\n#endif\n#if 0\n#if 1\nb\n#else\nc\n#endif\n#endif"), "a");
+        assert_eq!(
+            glsl("#ifndef X\n#define X\n#ifdef X\na\n#endif\n#endif\n#if 0\n#if 1\nb\n#else\nc\n#endif\n#endif"),
+            "a"
+        );
         // What a branch not taken says does not matter.
         assert_eq!(glsl("#if 0\n#error no\n#include \"none\"\n#if junk ((\n#endif\n#endif\nx"), "x");
         let oil = "#ifdef A\na\n#else ifdef B\nb\n#else\nc\n#endif\nlet n = #{N}u;";

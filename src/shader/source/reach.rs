@@ -23,7 +23,8 @@ pub(super) struct Reached {
 pub(super) fn reach(source: &Source, function: &str) -> Result<Reached, SourceError> {
     let root = source.units.first().map_or(&[][..], |unit| &unit.items);
     let is_it = |item: &Item| item.kind == ItemKind::Function && item.names.iter().any(|name| &**name == function);
-    let mut waiting: Vec<Id> = (0..root.len()).filter(|at| root.get(*at).is_some_and(is_it)).map(|at| (0, at)).collect();
+    let mut waiting: Vec<Id> =
+        (0..root.len()).filter(|at| root.get(*at).is_some_and(is_it)).map(|at| (0, at)).collect();
     if waiting.is_empty() {
         return Err(SourceError::of(source.name(), missing(source, function)));
     }
@@ -77,7 +78,9 @@ fn missing(source: &Source, function: &str) -> String {
         }
     }
     match (there.as_slice(), function) {
-        ([], _) => format!("no function in this file{}", if function.is_empty() { "" } else { ": is it the right one?" }),
+        ([], _) => {
+            format!("no function in this file{}", if function.is_empty() { "" } else { ": is it the right one?" })
+        }
         (there, "") => format!("name a function of this file: it has {}", there.join(", ")),
         (there, _) => format!("no function `{function}`: the file has {}", there.join(", ")),
     }
@@ -204,7 +207,9 @@ fn position(unit: &Unit, name: &str) -> Option<usize> {
 fn locals(item: &Item, language: Language) -> BTreeSet<Rc<str>> {
     let mut names = BTreeSet::new();
     let tokens = &item.tokens;
-    let text = |at: usize| tokens.get(at).map_or("", |token: &Token| if token.kind == Kind::Quoted { "" } else { &token.text });
+    let text = |at: usize| {
+        tokens.get(at).map_or("", |token: &Token| if token.kind == Kind::Quoted { "" } else { &token.text })
+    };
     for (at, token) in tokens.iter().enumerate().filter(|(_, token)| token.is_word()) {
         if item.names.contains(&token.text) {
             continue;
@@ -213,7 +218,8 @@ fn locals(item: &Item, language: Language) -> BTreeSet<Rc<str>> {
         let declares = match language {
             // `var<function> x` too; a member or parameter stands before a colon.
             Language::Wgsl => {
-                matches!(before, "let" | "var" | "const") || before == ">" && matches!(text(at + 1), "=" | ":")
+                matches!(before, "let" | "var" | "const")
+                    || before == ">" && matches!(text(at + 1), "=" | ":")
                     || text(at + 1) == ":" && matches!(before, "(" | "," | "{" | ")")
             }
             Language::Glsl => {
