@@ -8,6 +8,9 @@ use brdf::frame::Vector;
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
+/// How many broken files are tried.
+const ROUNDS: usize = 200;
+
 fn options(function: &str) -> Options {
     Options { function: function.into(), ..Options::default() }
 }
@@ -159,8 +162,7 @@ fn modules_with_imports() {
     assert_eq!(names, ["input.roughness", "input.F0_"]);
     near(f(&family, &[0.3, 1.0], wi, wo)[0], ggx(0.3, wi, wo), 1e-12);
     // The crate's own library by WESL's imports.
-    let own =
-        "import brdf::distribution;\nfn d(h: vec3f, alpha: f32) -> f32 { return distribution::ggx(h, vec2f(alpha)); }";
+    let own = "import brdf::distribution;\nfn d(h: vec3f, alpha: f32) -> f32 { return distribution::ggx(h, alpha); }";
     let family = ShaderFamily::from_source("own.wgsl", own, &options("d")).unwrap();
     near(f(&family, &[0.25], wi, wo)[0], a2 / (PI * (h.z * h.z * (a2 - 1.0) + 1.0).powi(2)), 1e-12);
 }
@@ -220,6 +222,13 @@ fn nothing_that_is_not_a_number_is_lost() {
 fn errors_name_the_users_place() {
     let wgsl = "fn f(l: vec3f, v: vec3f) -> f32 { return l.z; }";
     for (name, source, asked, want) in [
+        // What validation alone finds is blamed on the expression, not on the function.
+        (
+            "a.wgsl",
+            "fn g(x: f32) -> f32 { return x; }\nfn f(l: vec3f) -> f32 {\n    return g(l);\n}",
+            options("f"),
+            "a.wgsl:3:",
+        ),
         ("a.txt", "no shader", options("f"), "a.txt: neither WGSL nor GLSL"),
         ("a.wgsl", wgsl, options("g"), "a.wgsl: no function `g`: the file has f"),
         ("a.wgsl", wgsl, options(""), "a.wgsl: name a function of this file: it has f"),
@@ -365,4 +374,66 @@ fn verdicts_are_those_of_the_model() {
     assert_eq!(energy.verdict, Verdict::Fail, "{report}");
     assert!(energy.value > 20.0, "{report}");
     assert_eq!(family.error(), None);
+}
+
+/// Long chains that would take a compiler's stack, and their place.
+#[test]
+fn what_nests_too_deep_is_refused() {
+    for (name, head) in [("a.wgsl", "fn f(l: vec3f) -> f32 {\n return "), ("a.glsl", "float f(vec3 l) {\n return ")] {
+        for chain in ["1.0 + ".repeat(100_000), "-".repeat(100_000), "(".repeat(100_000)] {
+            let close = if chain.starts_with('(') { ")".repeat(100_000) } else { String::new() };
+            let source = format!("{head}{chain}l.z{close};\n}}");
+            let error = ShaderFamily::from_source(name, &source, &options("f")).unwrap_err();
+            assert_eq!(error.place().map(|place| place.line), Some(2), "{error}");
+        }
+    }
+}
+
+/// Real files with pieces cut, doubled, moved and broken: an error or numbers, and never a panic.
+#[test]
+fn broken_files_end_in_errors() {
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut random = |below: usize| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 16) as usize % below.max(1)
+    };
+    let corpus = [(FILAMENT, "isotropicLobe"), (THREE, "BRDF_GGX"), (BEVY, "D_GGX"), (VIEWER, "specular")];
+    let (mut read, mut refused) = (0, 0);
+    for round in 0..ROUNDS {
+        let (text, function) = corpus[round % corpus.len()];
+        let mut bytes = text.as_bytes().to_vec();
+        for _ in 0..1 + random(4) {
+            let (from, length) = (random(bytes.len()), random(24));
+            let to = (from + length).min(bytes.len());
+            let piece = bytes[from..to].to_vec();
+            match random(4) {
+                0 => drop(bytes.drain(from..to)),
+                1 => drop(bytes.splice(from..from, piece)),
+                2 => {
+                    let at = random(bytes.len());
+                    drop(bytes.splice(at..at, piece));
+                }
+                _ => {
+                    let sign = b"(){}[];,.#*/+-=<>\"\\\n0\xff"[random(22)];
+                    bytes.insert(from, sign);
+                }
+            }
+        }
+        let text = String::from_utf8_lossy(&bytes);
+        match ShaderFamily::from_source("broken", &text, &options(function)) {
+            Ok(family) => {
+                let values: Vec<f64> = family.parameters().iter().map(|parameter| parameter.default).collect();
+                let mut f = vec![0.0; family.channels()];
+                family.subject(&values).evaluate(direction(0.6, 0.3), direction(0.9, 2.5), &mut f);
+                read += 1;
+            }
+            Err(error) => {
+                assert_eq!(error.to_string().lines().count(), 1, "{error}");
+                refused += 1;
+            }
+        }
+    }
+    assert!(read > 0 && refused > 0, "{read} {refused}");
 }
