@@ -125,7 +125,15 @@ fn cosine(name: &str) -> Option<Role> {
     let name = name.strip_prefix("cos").unwrap_or(name);
     let name = name.strip_prefix("dot").unwrap_or(name);
     let letters: Vec<char> = match name.chars().collect::<Vec<_>>().as_slice() {
-        [a, b] => vec![*a, *b],
+        // Without a dot: NL, dotTH, and nothing that is a word or an index.
+        [a, b] => {
+            let (all, some) =
+                ([a, b].iter().all(|c| "lvnhtbxy".contains(**c)), [a, b].iter().any(|c| "lvnh".contains(**c)));
+            if !(all && some) {
+                return None;
+            }
+            vec![*a, *b]
+        }
         // NoL; `o` between two letters is a dot.
         [a, 'o', b] => vec![*a, *b],
         _ => {
