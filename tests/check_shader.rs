@@ -2,11 +2,16 @@
 
 #![cfg(all(feature = "check", feature = "shader"))]
 
+use brdf::check::Family;
 use brdf::check::shader::{Language, Options, Returns, ShaderFamily, sniff};
-use brdf::check::{Family, Subject};
 use brdf::frame::Vector;
 use std::f64::consts::PI;
 use std::path::PathBuf;
+
+/// How many broken files are tried; `BRDF_ROUNDS` sets another number.
+fn rounds() -> usize {
+    std::env::var("BRDF_ROUNDS").ok().and_then(|rounds| rounds.parse().ok()).unwrap_or(200)
+}
 
 fn options(function: &str) -> Options {
     Options { function: function.into(), ..Options::default() }
@@ -41,7 +46,7 @@ fn f(family: &ShaderFamily, values: &[f64], wi: Vector<f64>, wo: Vector<f64>) ->
 
 /// GGX with height-correlated Smith, α, F = 1.
 fn ggx(alpha: f64, wi: Vector<f64>, wo: Vector<f64>) -> f64 {
-    let h = (wi + wo) * (1.0 / (wi + wo).length());
+    let h = (wi + wo).normalized();
     let a2 = alpha * alpha;
     let d = a2 / (PI * (h.z * h.z * (a2 - 1.0) + 1.0).powi(2));
     let lambda = |a: f64, b: f64| a * (b * b * (1.0 - a2) + a2).sqrt();
@@ -74,15 +79,15 @@ fn engine_functions_of_cosines() {
     assert_eq!(family.signature(), "float D_GGX(float roughness, float NoH, vec3 h)");
     assert!(family.notes()[0].contains("NoH = n·h") && family.notes()[0].contains("h = h"), "{:?}", family.notes());
     assert_eq!(family.parameters()[0].name, "roughness");
-    let h = (wi + wo) * (1.0 / (wi + wo).length());
+    let h = (wi + wo).normalized();
     let a2 = 0.25 * 0.25;
     near(f(&family, &[0.25], wi, wo)[0], a2 / (PI * (h.z * h.z * (a2 - 1.0) + 1.0).powi(2)), 1e-6);
 
     // A struct of the engine, members by path; one overload of two by its types.
     let family = ShaderFamily::from_source("engine.glsl", FILAMENT, &options("isotropicLobe")).unwrap();
     let names: Vec<_> = family.parameters().iter().map(|p| p.name.as_str()).collect();
-    assert_eq!(names, ["pixel.roughness", "pixel.f0"]);
-    near(f(&family, &[0.3, 1.0], wi, wo)[1], ggx(0.3, wi, wo), 1e-6);
+    assert_eq!(names, ["pixel.f0", "pixel.roughness"]);
+    near(f(&family, &[1.0, 0.3], wi, wo)[1], ggx(0.3, wi, wo), 1e-6);
     let error = ShaderFamily::from_source("engine.glsl", FILAMENT, &options("F_Schlick")).unwrap_err();
     assert!(error.message().contains("several `F_Schlick`"), "{error}");
     let mut chosen = options("F_Schlick(vec3, float)");
@@ -103,15 +108,15 @@ fn chunks_within_scripts() {
     let family = ShaderFamily::from_source("chunk.glsl.js", THREE, &asked).unwrap();
     assert_eq!(family.channels(), 3);
     let names: Vec<_> = family.parameters().iter().map(|p| p.name.as_str()).collect();
-    assert_eq!(names, ["material.specularColor", "material.roughness"]);
-    near(f(&family, &[1.0, 0.5], wi, wo)[2], ggx(0.25, wi, wo), 1e-5);
+    assert_eq!(names, ["material.roughness", "material.specularColor"]);
+    near(f(&family, &[0.5, 1.0], wi, wo)[2], ggx(0.25, wi, wo), 1e-5);
     // The sum of two members of an inout parameter, in which the cosine and a light are.
     let mut asked = options("RE_Direct");
     asked.result = Some("reflected.directDiffuse+reflected.directSpecular".into());
     asked.returns = Returns::Cosine;
     asked.values = strings(&["material.diffuseColor=0"]);
     let family = ShaderFamily::from_source("chunk.glsl.js", THREE, &asked).unwrap();
-    near(f(&family, &[1.0, 0.5], wi, wo)[2], ggx(0.25, wi, wo), 1e-5);
+    near(f(&family, &[0.5, 1.0], wi, wo)[2], ggx(0.25, wi, wo), 1e-5);
 }
 
 #[test]
@@ -142,11 +147,14 @@ fn modules_with_imports() {
     // What the function does not reach may be missing.
     let family = ShaderFamily::from_source("lighting.wgsl", BEVY, &options("D_GGX")).unwrap();
     assert_eq!(family.signature(), "fn D_GGX(roughness: f32, NdotH: f32) -> f32");
-    let h = (wi + wo) * (1.0 / (wi + wo).length());
+    let h = (wi + wo).normalized();
     let a2 = 0.25 * 0.25;
     near(f(&family, &[0.25], wi, wo)[0], a2 / (PI * (h.z * h.z * (a2 - 1.0) + 1.0).powi(2)), 1e-6);
     let error = ShaderFamily::from_source("lighting.wgsl", BEVY, &options("lit")).unwrap_err();
-    assert!(error.message().contains("`maths::half_of` is imported from `engine::maths::half_of`, which is not found"), "{error}");
+    assert!(
+        error.message().contains("`LightingInput` is imported from `engine::types::LightingInput`, which is not found"),
+        "{error}"
+    );
     assert!(error.place().is_some());
     let mut asked = options("lit");
     asked.include = vec![PathBuf::from("tests/check_shader")];
@@ -156,7 +164,7 @@ fn modules_with_imports() {
     assert_eq!(names, ["input.roughness", "input.F0_"]);
     near(f(&family, &[0.3, 1.0], wi, wo)[0], ggx(0.3, wi, wo), 1e-12);
     // The crate's own library by WESL's imports.
-    let own = "import brdf::distribution;\nfn d(n_dot_h: f32, alpha: f32) -> f32 { return distribution::ggx(n_dot_h, alpha); }";
+    let own = "import brdf::distribution;\nfn d(h: vec3f, alpha: f32) -> f32 { return distribution::ggx(h, alpha); }";
     let family = ShaderFamily::from_source("own.wgsl", own, &options("d")).unwrap();
     near(f(&family, &[0.25], wi, wo)[0], a2 / (PI * (h.z * h.z * (a2 - 1.0) + 1.0).powi(2)), 1e-12);
 }
@@ -216,6 +224,13 @@ fn nothing_that_is_not_a_number_is_lost() {
 fn errors_name_the_users_place() {
     let wgsl = "fn f(l: vec3f, v: vec3f) -> f32 { return l.z; }";
     for (name, source, asked, want) in [
+        // What validation alone finds is blamed on the part that does not fit, not on the function.
+        (
+            "a.wgsl",
+            "fn g(x: f32) -> f32 { return x; }\nfn f(l: vec3f) -> f32 {\n    return g(l);\n}",
+            options("f"),
+            "a.wgsl:2:6: ",
+        ),
         ("a.txt", "no shader", options("f"), "a.txt: neither WGSL nor GLSL"),
         ("a.wgsl", wgsl, options("g"), "a.wgsl: no function `g`: the file has f"),
         ("a.wgsl", wgsl, options(""), "a.wgsl: name a function of this file: it has f"),
@@ -224,15 +239,66 @@ fn errors_name_the_users_place() {
         ("a.glsl", "#define BAD(x) (x.q)\n\nfloat f(vec3 l) {\n  return 1.0 + BAD(l);\n}", options("f"), "a.glsl:4:"),
         ("a.glsl", "float f(vec3 l) {\n  return (l.z;\n}", options("f"), "a.glsl:"),
         ("a.glsl", "float f(vec3 l) {\n  return l.z;\n", options("f"), "a.glsl:1:17: `{` is not closed"),
-        ("a.wgsl", "fn f(a: vec3f, b: vec3f) -> f32 { return a.z; }", options("f"), "a.wgsl: it is not clear what `a` of"),
-        ("a.wgsl", "fn f(l: vec3f, lightDir: vec3f) -> f32 { return l.z; }", options("f"), "a.wgsl: l, lightDir all look like wi"),
-        ("a.wgsl", "fn f(l: vec3f, u: f32) -> f32 { return u; }", options("f"), "a.wgsl: it is not clear what `u` of `fn f(l: vec3<f32>, u: f32) -> f32` is: say --map"),
-        ("a.wgsl", "fn f(l: vec3f) -> vec2f { return l.xy; }", options("f"), "a.wgsl: `fn f(l: vec3<f32>) -> vec2<f32>` returns neither"),
-        ("a.wgsl", "fn f(l: vec3f, m: mat3x3f) -> f32 { return (m * l).z; }", options("f"), "a.wgsl: it is not clear what `m`"),
-        ("a.wgsl", "struct R { d: vec3f, s: vec3f } fn f(l: vec3f) -> R { return R(l, l); }", options("f"), "a.wgsl: which result of"),
-        ("a.glsl", "void g(inout float x) { x = 1.0; }\nfloat f(vec3 l) { vec3 a = l; g(a.y); return a.y; }", options("f"), "a.glsl: "),
-        ("a.glsl", "float f(vec3 l) { float x = 0.0; for (;;) { x += l.z; } return x; }", options("f"), "a.glsl: `f of a.glsl` has not ended after"),
-        ("a.wgsl", "fn f(l: vec3f) -> f32 { var x = l.z; loop { x += 1.0; if x < 0.0 { break; } } return x; }", options("f"), "a.wgsl: `f of a.wgsl` has not ended after"),
+        (
+            "a.wgsl",
+            "fn f(a: vec3f, b: vec3f) -> f32 { return a.z; }",
+            options("f"),
+            "a.wgsl: it is not clear what `a`, `b` of",
+        ),
+        (
+            "a.wgsl",
+            "fn f(x: vec3f, y: vec3f) -> f32 { return x.z; }",
+            options("f"),
+            "a.wgsl: it is not clear what `x`, `y` of",
+        ),
+        (
+            "a.wgsl",
+            "fn f(l: vec3f, lightDir: vec3f) -> f32 { return l.z; }",
+            options("f"),
+            "a.wgsl: l, lightDir all look like wi",
+        ),
+        (
+            "a.wgsl",
+            "fn f(l: vec3f, u: f32) -> f32 { return u; }",
+            options("f"),
+            "a.wgsl: it is not clear what `u` of `fn f(l: vec3<f32>, u: f32) -> f32` is: say --map",
+        ),
+        (
+            "a.wgsl",
+            "fn f(l: vec3f) -> vec2f { return l.xy; }",
+            options("f"),
+            "a.wgsl: `fn f(l: vec3<f32>) -> vec2<f32>` returns neither",
+        ),
+        (
+            "a.wgsl",
+            "fn f(l: vec3f, m: mat3x3f) -> f32 { return (m * l).z; }",
+            options("f"),
+            "a.wgsl: it is not clear what `m`",
+        ),
+        (
+            "a.wgsl",
+            "struct R { d: vec3f, s: vec3f } fn f(l: vec3f) -> R { return R(l, l); }",
+            options("f"),
+            "a.wgsl: which result of",
+        ),
+        (
+            "a.glsl",
+            "void g(inout float x) { x = 1.0; }\nfloat f(vec3 l) { vec3 a = l; g(a.y); return a.y; }",
+            options("f"),
+            "a.glsl: ",
+        ),
+        (
+            "a.glsl",
+            "float f(vec3 l) { float x = 0.0; for (;;) { x += l.z; } return x; }",
+            options("f"),
+            "a.glsl: `f of a.glsl` has not ended after",
+        ),
+        (
+            "a.wgsl",
+            "fn f(l: vec3f) -> f32 { var x = l.z; loop { x += 1.0; if x < 0.0 { break; } } return x; }",
+            options("f"),
+            "a.wgsl: `f of a.wgsl` has not ended after",
+        ),
     ] {
         let error = ShaderFamily::from_source(name, source, &asked).map(|family| family.wgsl().to_owned()).unwrap_err();
         assert!(error.to_string().starts_with(want), "{source}\n{error}\nwant {want}");
@@ -276,7 +342,8 @@ fn errors_within_includes() {
 /// Endless for some directions only: what is measured must not pass for numbers.
 #[test]
 fn an_endless_loop_is_told() {
-    let source = "fn f(l: vec3f, v: vec3f) -> f32 { var x = 0.0; loop { if l.z < 0.9 { break; } x += 1e-9; } return x; }";
+    let source =
+        "fn f(l: vec3f, v: vec3f) -> f32 { var x = 0.0; loop { if l.z < 0.9 { break; } x += 1e-9; } return x; }";
     let family = ShaderFamily::from_source("a.wgsl", source, &options("f")).unwrap();
     let subject = family.subject(&[]);
     let mut f = [0.0];
@@ -285,4 +352,90 @@ fn an_endless_loop_is_told() {
     subject.evaluate(direction(0.0, 0.0), direction(0.5, 0.0), &mut f);
     assert!(f[0].is_nan());
     assert!(family.error().unwrap().contains("has not ended after"), "{:?}", family.error());
+}
+
+/// The judge's own numbers: a white GGX keeps its energy, one without masking does not.
+#[test]
+fn verdicts_are_those_of_the_model() {
+    use brdf::check::{self, Fixed, Verdict};
+    let mut asked = options("lit");
+    asked.include = vec![PathBuf::from("tests/check_shader")];
+    asked.values = strings(&["input.roughness=0.3", "input.F0_=1"]);
+    let family = ShaderFamily::from_source("lighting.wgsl", BEVY, &asked).unwrap();
+    let limits = check::Options { budget: 200_000, thetas: &[0.0, 60.0, 85.0], ..Default::default() };
+    let report = check::check(&*family.subject(&[]), &limits);
+    assert_eq!(report.energy(Fixed::View).unwrap().verdict, Verdict::Pass, "{report}");
+    let source = "fn f(n_dot_h: f32, n_dot_l: f32, n_dot_v: f32) -> f32 {
+        let d = n_dot_h * n_dot_h * (0.01 * 0.01 - 1.0) + 1.0;
+        return 0.01 * 0.01 / (3.141592653589793 * d * d) / (4.0 * n_dot_l * n_dot_v);
+    }"
+    .replace("0.01 * 0.01", "0.01");
+    let family = ShaderFamily::from_source("a.wgsl", &source, &options("f")).unwrap();
+    let report = check::check(&*family.subject(&[]), &check::Options { thetas: &[0.0, 89.9], ..limits });
+    let energy = report.energy(Fixed::View).unwrap();
+    assert_eq!(energy.verdict, Verdict::Fail, "{report}");
+    assert!(energy.value > 20.0, "{report}");
+    assert_eq!(family.error(), None);
+}
+
+/// Long chains that would take a compiler's stack, and their place.
+#[test]
+fn what_nests_too_deep_is_refused() {
+    for (name, head) in [("a.wgsl", "fn f(l: vec3f) -> f32 {\n return "), ("a.glsl", "float f(vec3 l) {\n return ")] {
+        for chain in ["1.0 + ".repeat(100_000), "-".repeat(100_000), "(".repeat(100_000)] {
+            let close = if chain.starts_with('(') { ")".repeat(100_000) } else { String::new() };
+            let source = format!("{head}{chain}l.z{close};\n}}");
+            let error = ShaderFamily::from_source(name, &source, &options("f")).unwrap_err();
+            assert_eq!(error.place().map(|place| place.line), Some(2), "{error}");
+        }
+    }
+}
+
+/// Real files with pieces cut, doubled, moved and broken: an error or numbers, and never a panic.
+#[test]
+fn broken_files_end_in_errors() {
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut random = |below: usize| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 16) as usize % below.max(1)
+    };
+    let corpus = [(FILAMENT, "isotropicLobe"), (THREE, "BRDF_GGX"), (BEVY, "D_GGX"), (VIEWER, "specular")];
+    let (mut read, mut refused) = (0, 0);
+    for round in 0..rounds() {
+        let (text, function) = corpus[round % corpus.len()];
+        let mut bytes = text.as_bytes().to_vec();
+        for _ in 0..1 + random(4) {
+            let (from, length) = (random(bytes.len()), random(24));
+            let to = (from + length).min(bytes.len());
+            let piece = bytes[from..to].to_vec();
+            match random(4) {
+                0 => drop(bytes.drain(from..to)),
+                1 => drop(bytes.splice(from..from, piece)),
+                2 => {
+                    let at = random(bytes.len());
+                    drop(bytes.splice(at..at, piece));
+                }
+                _ => {
+                    let sign = b"(){}[];,.#*/+-=<>\"\\\n0\xff"[random(22)];
+                    bytes.insert(from, sign);
+                }
+            }
+        }
+        let text = String::from_utf8_lossy(&bytes);
+        match ShaderFamily::from_source("broken", &text, &options(function)) {
+            Ok(family) => {
+                let values: Vec<f64> = family.parameters().iter().map(|parameter| parameter.default).collect();
+                let mut f = vec![0.0; family.channels()];
+                family.subject(&values).evaluate(direction(0.6, 0.3), direction(0.9, 2.5), &mut f);
+                read += 1;
+            }
+            Err(error) => {
+                assert_eq!(error.to_string().lines().count(), 1, "{error}");
+                refused += 1;
+            }
+        }
+    }
+    assert!(read > 0 && refused > 0, "{read} {refused}");
 }

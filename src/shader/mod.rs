@@ -43,7 +43,10 @@ impl Module {
             naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::all());
         let info = validator.validate(&ir).map_err(|error| ShaderError {
             message: causes(error.as_inner()),
-            place: error.location(source).map(|place| (place.line_number, place.line_position)),
+            place: narrowest(&error).map(|span| {
+                let place = span.location(source);
+                (place.line_number, place.line_position)
+            }),
             report: error.emit_to_string(source),
         })?;
         Ok(Module { ir, info })
@@ -142,6 +145,12 @@ impl fmt::Display for ShaderError {
 }
 
 impl Error for ShaderError {}
+
+/// The shortest part of the source that an error of validation speaks of: the expression, not the function around it.
+fn narrowest<E>(error: &naga::WithSpan<E>) -> Option<naga::Span> {
+    let spans = error.spans().filter_map(|(span, _)| Some((span.to_range()?.len(), *span)));
+    spans.min_by_key(|(length, _)| *length).map(|(_, span)| span)
+}
 
 /// An error and its chain of causes on one line.
 fn causes(error: &dyn Error) -> String {

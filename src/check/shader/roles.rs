@@ -125,7 +125,15 @@ fn cosine(name: &str) -> Option<Role> {
     let name = name.strip_prefix("cos").unwrap_or(name);
     let name = name.strip_prefix("dot").unwrap_or(name);
     let letters: Vec<char> = match name.chars().collect::<Vec<_>>().as_slice() {
-        [a, b] => vec![*a, *b],
+        // Without a dot: NL, dotTH, and nothing that is a word or an index.
+        [a, b] => {
+            let (all, some) =
+                ([a, b].iter().all(|c| "lvnhtbxy".contains(**c)), [a, b].iter().any(|c| "lvnh".contains(**c)));
+            if !(all && some) {
+                return None;
+            }
+            vec![*a, *b]
+        }
         // NoL; `o` between two letters is a dot.
         [a, 'o', b] => vec![*a, *b],
         _ => {
@@ -188,6 +196,13 @@ fn direction(name: &str) -> Option<Direction> {
     }
 }
 
+/// Whether a vector may have this name: a width or a slider in three components is something else.
+fn is_colour(name: &str) -> bool {
+    let parts = ["f0", "r0", "f90", "color", "colour", "albedo", "rho", "diffuse", "reflect", "radiance", "intensity"];
+    let names = ["kd", "ks", "cdiff", "cspec", "specular", "energycompensation", "sheen", "attenuation"];
+    names.contains(&name) || parts.iter().any(|part| name.contains(part))
+}
+
 /// What a parameter of a material is taken to be where nobody says.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Known {
@@ -201,7 +216,7 @@ pub(super) enum Known {
 ///
 /// Reflectances are 1 unless set: a white surface is what shows whether energy is kept. Roughness starts above 0, where
 /// most models are singular by design.
-pub(super) fn known(name: &str) -> Option<Known> {
+pub(super) fn known(name: &str, size: usize) -> Option<Known> {
     let name = plain(name);
     let name = ["material", "mat", "u", "brdf", "base", "k"]
         .into_iter()
@@ -209,7 +224,11 @@ pub(super) fn known(name: &str) -> Option<Known> {
         .unwrap_or(&name);
     let even = |low, high, default| Some(Known::Searched { low, high, default, scale: Scale::Linear });
     let log = |low, high, default| Some(Known::Searched { low, high, default, scale: Scale::Logarithmic });
+    if name.contains("light") && ["color", "colour", "intensity", "radiance"].iter().any(|part| name.contains(part)) {
+        return Some(Known::Fixed(1.0));
+    }
     match name {
+        _ if size > 2 && !is_colour(name) => return None,
         "a" | "alpha" | "alphag" | "ggxalpha" | "roughnessalpha" | "alpharoughness" | "ax" | "ay" | "at" | "ab"
         | "alphax" | "alphay" | "alphat" | "alphab" | "linearroughness" => return log(0.002, 1.0, 0.25),
         "a2" | "alpha2" | "alphasq" | "asq" | "alphasquared" | "roughness4" => return log(4e-6, 1.0, 0.0625),

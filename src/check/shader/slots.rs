@@ -82,7 +82,9 @@ pub(super) fn map(compiled: &Compiled<'_>, options: &Options) -> Result<Mapping,
     let mut mapping = Mapping::default();
     let entry = &compiled.entry;
     for (root, (parameter, written)) in entry.parameters.iter().zip(&entry.written).enumerate() {
-        walk(&parameter.ty, root, &parameter.name, "", true, *written, compiled, &mut mapping.slots)?;
+        // What GLSL's `out` and `inout` hold is a result first; a pointer of WGSL is how large structs are passed.
+        let is_result = *written && compiled.language() == Language::Glsl;
+        walk(&parameter.ty, root, &parameter.name, "", true, is_result, compiled, &mut mapping.slots)?;
     }
     for (index, input) in compiled.inputs.iter().enumerate() {
         let root = entry.parameters.len() + index;
@@ -121,6 +123,20 @@ pub(super) fn map(compiled: &Compiled<'_>, options: &Options) -> Result<Mapping,
         if let Some(place) = mapping.slots.get_mut(index) {
             *place = slot;
         }
+    }
+    // A tangent alone makes no BRDF: then `x` and `y` are something else.
+    let is_of_light = |slot: &Slot| match slot.source {
+        Source::Geometry(Role::Along(d, _)) => matches!(d, Direction::Wi | Direction::Wo | Direction::Half),
+        Source::Geometry(Role::Cosine(..)) => true,
+        _ => false,
+    };
+    if !mapping.slots.iter().any(is_of_light) {
+        let is_guess = |slot: &&Slot| {
+            let along =
+                matches!(slot.source, Source::Geometry(Role::Along(Direction::Tangent | Direction::Bitangent, _)));
+            along && !is_named(options, &slot.path)
+        };
+        open.extend(mapping.slots.iter().filter(is_guess).map(|slot| format!("`{}`", slot.path)));
     }
     if !open.is_empty() {
         return Err(format!(
@@ -293,7 +309,7 @@ fn searched(slot: &Slot, range: &str, value: Option<&str>, parameters: &mut Vec<
         return Err(of("a logarithmic range begins above 0".to_owned()));
     }
     let middle = if scale == Scale::Logarithmic { (low * high).sqrt() } else { 0.5 * (low + high) };
-    let default = match (value, known(&slot.name)) {
+    let default = match (value, known(&slot.name, slot.size)) {
         (Some(value), _) => number(value).map_err(|what| format!("--param {}={value}: {what}", slot.path))?,
         (None, Some(Known::Searched { default, .. } | Known::Fixed(default))) if (low..=high).contains(&default) => {
             default
@@ -313,12 +329,16 @@ fn guessed(slot: &Slot, mapping: &mut Mapping) -> Option<Source> {
     if slot.scalar != Scalar::F32 || slot.size == 0 {
         return None;
     }
-    if let Some(role) = role(&slot.name, slot.size) {
+    // `light.direction` says it with what it is a part of.
+    let is_part =
+        matches!(slot.name.to_ascii_lowercase().as_str(), "direction" | "dir" | "vector" | "vec" | "color" | "colour");
+    let name = if is_part { slot.path.replace('.', "") } else { slot.name.clone() };
+    if let Some(role) = role(&name, slot.size) {
         return Some(Source::Geometry(role));
     }
     let path = &slot.path;
     let grey = if slot.size > 1 { ", the same in all components" } else { "" };
-    match known(&slot.name)? {
+    match known(&name, slot.size).or_else(|| known(&slot.name, slot.size))? {
         Known::Fixed(value) => {
             mapping.notes.push(format!("{path} = {value} (--param {path}=… for another)"));
             Some(Source::Numbers(vec![value; slot.size]))

@@ -32,6 +32,20 @@ pub(super) struct Path {
     pub(super) lost: bool,
 }
 
+/// The registers of a block of lanes, constants in their places.
+#[derive(Debug)]
+pub(super) struct Columns<N> {
+    width: usize,
+    reals: Vec<Vec<N>>,
+    words: Vec<Vec<u32>>,
+}
+
+impl<N> Columns<N> {
+    pub(super) fn width(&self) -> usize {
+        self.width
+    }
+}
+
 /// The state of a block of lanes.
 pub(super) struct Machine<'c, N: Number> {
     code: &'c Code<N>,
@@ -56,12 +70,25 @@ struct Exits {
 }
 
 impl<'c, N: Number> Machine<'c, N> {
-    pub(super) fn new(code: &'c Code<N>, width: usize, budget: u64) -> Result<Self, InterpError> {
-        let mut machine = Machine {
-            code,
+    /// A machine for one program, on registers that an earlier one of the same program left, if any are of this width.
+    pub(super) fn new(
+        code: &'c Code<N>,
+        width: usize,
+        budget: u64,
+        kept: Option<Columns<N>>,
+    ) -> Result<Self, InterpError> {
+        let kept = kept.filter(|kept| kept.width == width);
+        let is_new = kept.is_none();
+        let columns = kept.unwrap_or_else(|| Columns {
             width,
             reals: vec![vec![N::ZERO; width]; code.reals as usize],
             words: vec![vec![0; width]; code.words as usize],
+        });
+        let mut machine = Machine {
+            code,
+            width,
+            reals: columns.reals,
+            words: columns.words,
             shared: Vec::new(),
             paths: vec![Path::default(); if N::MAY_BE_OPEN { width } else { 0 }],
             forks: Vec::new(),
@@ -69,6 +96,9 @@ impl<'c, N: Number> Machine<'c, N> {
             budget,
             exhausted: false,
         };
+        if !is_new {
+            return Ok(machine);
+        }
         for (column, value) in &code.real_constants {
             machine.reals[*column as usize].fill(*value);
         }
@@ -80,6 +110,11 @@ impl<'c, N: Number> Machine<'c, N> {
             machine.straight(&code.prologue, &mut Mask::first(width))?;
         }
         Ok(machine)
+    }
+
+    /// The registers, for the next machine.
+    pub(super) fn columns(self) -> Columns<N> {
+        Columns { width: self.width, reals: self.reals, words: self.words }
     }
 
     /// The lanes of a block.

@@ -4,12 +4,13 @@ use super::code::{Code, Memory, Slot};
 use super::error::InterpError;
 use super::layout::Kind;
 use super::lower::Lowering;
-use super::machine::{Machine, Shared};
+use super::machine::{Columns, Machine, Shared};
 use super::mask::MOST_LANES;
 use super::number::Number;
 use super::{Known, Shader};
 use crate::shader::{Scalar, ShaderError, Signature};
 use std::collections::{BTreeMap, VecDeque};
+use std::sync::{Mutex, PoisonError};
 
 /// The lanes of a block: the fastest of 64, 128, 256, 512 and 1024, see `docs/decisions.md`.
 const BLOCK: usize = 256;
@@ -76,8 +77,42 @@ impl Buffers {
 pub struct Program<N: Number> {
     code: Code<N>,
     signature: Option<Signature>,
+    /// Which cells of a row are bools.
+    is_bool: Vec<bool>,
     budget: u64,
     block: usize,
+    kept: Kept<N>,
+}
+
+/// Registers that runs of few rows leave to each other: to make them takes longer than such a run.
+#[derive(Debug)]
+struct Kept<N>(Mutex<Vec<Columns<N>>>);
+
+impl<N> Kept<N> {
+    fn take(&self, width: usize) -> Option<Columns<N>> {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let fitting = kept.iter().rposition(|columns| columns.width() == width)?;
+        Some(kept.swap_remove(fitting))
+    }
+    fn put(&self, columns: Columns<N>) {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        // As many as threads may want at once.
+        if kept.len() < 64 {
+            kept.push(columns);
+        }
+    }
+}
+
+impl<N> Default for Kept<N> {
+    fn default() -> Self {
+        Kept(Mutex::new(Vec::new()))
+    }
+}
+
+impl<N> Clone for Kept<N> {
+    fn clone(&self) -> Self {
+        Kept::default()
+    }
 }
 
 /// A lane to run: the row that it belongs to and the choices that it takes.
@@ -137,7 +172,10 @@ impl<N: Number> Program<N> {
         if signature.is_none() && most < block {
             return Err(InterpError::TooLarge(format!("{columns} registers for each of {block} invocations")));
         }
-        Ok(Program { code, signature, budget: BUDGET, block: block.min(most.max(1)) })
+        let inputs = signature.as_ref().map(Signature::inputs).unwrap_or_default();
+        let is_bool = inputs.iter().map(|leaf| leaf.scalar == Scalar::Bool).collect();
+        let block = block.min(most.max(1));
+        Ok(Program { code, signature, is_bool, budget: BUDGET, block, kept: Kept::default() })
     }
 
     /// Sets the steps that a block of lanes may take, 20 million by default: instructions, calls, turns of loops, branches,
@@ -173,8 +211,6 @@ impl<N: Number> Program<N> {
         let width = self.row_width(rows.len())?;
         // A function of nothing has one row.
         let count = rows.len().checked_div(width).unwrap_or(1);
-        let inputs = self.signature.as_ref().map(Signature::inputs).unwrap_or_default();
-        let is_bool: Vec<bool> = inputs.iter().map(|leaf| leaf.scalar == Scalar::Bool).collect();
         let mut machine = self.machine(count, buffers)?;
         let kinds = &self.code.result_kinds;
         let mut results: Vec<Option<Cell<N>>> = vec![None; count * self.code.results.len()];
@@ -185,7 +221,7 @@ impl<N: Number> Program<N> {
             let batch: Vec<Job> = jobs.drain(..jobs.len().min(machine.width())).collect();
             for (lane, job) in batch.iter().enumerate() {
                 let cells = rows.get(job.row * width..).unwrap_or_default();
-                for ((slot, cell), is_bool) in self.code.arguments.iter().zip(cells).zip(&is_bool) {
+                for ((slot, cell), is_bool) in self.code.arguments.iter().zip(cells).zip(&self.is_bool) {
                     match (*slot, *cell) {
                         (Slot::Real(column), Cell::Real(value)) => machine.set_real(column, lane, value.flushed()),
                         (Slot::Word(column), Cell::Word(value)) => {
@@ -241,6 +277,7 @@ impl<N: Number> Program<N> {
             }
         }
         self.write_back(&machine, buffers)?;
+        self.kept.put(machine.columns());
         Ok(cells)
     }
 
@@ -292,7 +329,8 @@ impl<N: Number> Program<N> {
     }
 
     fn machine(&self, rows: usize, buffers: &Buffers) -> Result<Machine<'_, N>, InterpError> {
-        let mut machine = Machine::new(&self.code, self.block.min(rows.max(1)), self.budget)?;
+        let width = self.block.min(rows.max(1));
+        let mut machine = Machine::new(&self.code, width, self.budget, self.kept.take(width))?;
         for memory in &self.code.memories {
             machine.shared.push(self.filled(memory, buffers)?);
         }

@@ -199,7 +199,7 @@ impl Compiled<'_> {
                 None => SourceError::of(self.name(), error.message()),
             }
         };
-        crate::shader::interp::bounded(&emitted.text).map_err(at)?;
+        emitted.bounded(&self.source.files)?;
         Module::parse(&emitted.text).map_err(at)
     }
 

@@ -1,6 +1,7 @@
 //! Tokens written as text again, with the place that each one came from.
 
-use super::lexer::{Kind, Origin, Token};
+use super::error::SourceError;
+use super::lexer::{File, Kind, Origin, Token};
 
 /// A text for a compiler, and where its parts were written.
 #[derive(Clone, Debug, Default)]
@@ -38,5 +39,19 @@ impl Emitted {
     pub(super) fn origin(&self, offset: usize) -> Option<Origin> {
         let after = self.map.partition_point(|(start, _)| *start <= offset);
         self.map.get(after.checked_sub(1)?).and_then(|(_, origin)| *origin)
+    }
+
+    /// Refuses what would exhaust the stack of a compiler, at its place.
+    pub(super) fn bounded(&self, files: &[File]) -> Result<(), SourceError> {
+        let Err(error) = crate::shader::interp::bounded(&self.text) else { return Ok(()) };
+        // It names a line of this text, which is not the author's.
+        let named = error.message().strip_prefix("line ").and_then(|rest| rest.split_once(": "));
+        let named = named.and_then(|(line, what)| Some((line.parse::<usize>().ok()?, what)));
+        let (line, what) = named.unwrap_or((1, error.message()));
+        let before: usize = self.text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
+        Err(match self.origin(before) {
+            Some(origin) => SourceError::at(files, origin, what),
+            None => SourceError::of(files.first().map_or("", |file| &file.name), what),
+        })
     }
 }

@@ -3,7 +3,7 @@
 use super::emit::Emitted;
 use super::error::SourceError;
 use super::lexer::File;
-use crate::shader::{Module, causes};
+use crate::shader::{Module, causes, narrowest};
 
 /// What every text begins with: the version, and what naga's front end lacks.
 ///
@@ -24,6 +24,7 @@ const STACK: usize = 256 << 20;
 
 /// A module of naga's, and what validation found.
 pub(super) fn parse(emitted: &Emitted, files: &[File]) -> Result<(naga::Module, naga::valid::ModuleInfo), SourceError> {
+    emitted.bounded(files)?;
     let text = emitted.text.clone();
     // naga's GLSL front end has panics that it does not mean to have; what panics there must not end the caller.
     let parsed = std::thread::Builder::new().stack_size(STACK).spawn(move || {
@@ -43,7 +44,7 @@ pub(super) fn parse(emitted: &Emitted, files: &[File]) -> Result<(naga::Module, 
         match validator.validate(&module) {
             Ok(info) => Ok((module, info)),
             Err(error) => {
-                let start = error.spans().find_map(|(span, _)| span.to_range()).map(|range| range.start);
+                let start = narrowest(&error).and_then(|span| span.to_range()).map(|range| range.start);
                 Err((causes(error.as_inner()), start))
             }
         }

@@ -30,9 +30,12 @@ pub(super) struct Import {
     pub(super) name: String,
     pub(super) path: Vec<Rc<str>>,
     pub(super) origin: Origin,
-    /// The unit, and the name of the item there; no name where the path is a whole module.
-    pub(super) target: Option<(usize, Option<Rc<str>>)>,
+    /// None where it is not found.
+    pub(super) target: Option<Target>,
 }
+
+/// A unit, and the name of the item there; no name where a path is a whole module.
+pub(super) type Target = (usize, Option<Rc<str>>);
 
 /// A module's place, before it is read.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -122,7 +125,7 @@ impl Loader<'_> {
         directory: Option<&Path>,
         from: usize,
         origin: Origin,
-    ) -> Result<Option<(usize, Option<Rc<str>>)>, SourceError> {
+    ) -> Result<Option<Target>, SourceError> {
         // The whole path as a module first, then all but its last name.
         for keep in [path.len(), path.len().saturating_sub(1)] {
             let (module, item) = (path.get(..keep).unwrap_or_default(), path.get(keep).cloned());
@@ -280,8 +283,7 @@ fn branch(
     depth: usize,
 ) -> Result<(), SourceError> {
     let outer = path.len();
-    loop {
-        let Some(token) = tokens.get(*at) else { break };
+    while let Some(token) = tokens.get(*at) {
         *at += 1;
         if token.is("{") {
             if depth > 32 {

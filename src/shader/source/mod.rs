@@ -60,7 +60,7 @@ pub fn sniff(text: &str) -> Option<Language> {
         };
         if (is_type(word(at)) || lexer::is_name(word(at))) && word(at + 2) == "(" && lexer::is_name(word(at + 1)) {
             let is_statement = matches!(word(at), "return" | "else" | "let" | "var" | "const" | "define" | "in");
-            if is_type(word(at)) || (!is_statement && word(at + 3) != "" && is_type(word(at + 3))) {
+            if is_type(word(at)) || (!is_statement && is_type(word(at + 3))) {
                 return Some(Language::Glsl);
             }
         }
