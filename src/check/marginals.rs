@@ -84,10 +84,16 @@ pub(super) fn energy(subject: &dyn Subject, plan: &Plan<'_>) -> Energy {
         for (albedo, met) in seen {
             evaluations += albedo.evaluations;
             watch = watch.with(met);
-            if albedo.peak().1 >= WORTH_CLIMBING {
-                high.push(albedo);
-            }
+            high.push(albedo);
         }
+        high.sort_by(|a, b| a.phi.total_cmp(&b.phi).then(a.theta.total_cmp(&b.theta)));
+        let beside = |i: usize, j: Option<&Albedo>| j.is_none_or(|j| j.phi != high[i].phi || j.peak().1 <= high[i].peak().1);
+        let top = |&i: &usize| {
+            high[i].peak().1 >= WORTH_CLIMBING
+                && beside(i, i.checked_sub(1).and_then(|i| high.get(i)))
+                && beside(i, high.get(i + 1))
+        };
+        let mut high: Vec<Albedo> = (0..high.len()).filter(top).map(|i| high[i].clone()).collect();
         high.sort_by(|a, b| b.peak().1.total_cmp(&a.peak().1));
         let mut chosen: Vec<(f64, f64, Fixed)> = Vec::new();
         for albedo in &high {
@@ -251,6 +257,12 @@ fn marginal(
         let (ra, rb) = (rank(a), rank(b));
         if rb.0.cmp(&ra.0).then(rb.1.total_cmp(&ra.1)).is_gt() { b } else { a }
     });
+    // A corner that is as bad within rounding is the rounder angle.
+    let as_bad = |albedo: &&Albedo| {
+        let (a, b) = (rank(albedo), worst.map_or((Verdict::Pass, 0.0), rank));
+        plan.thetas.contains(&albedo.theta) && a.0 == b.0 && a.1 >= b.1 - 3e-4 * b.1.abs()
+    };
+    let worst = corners.iter().copied().filter(as_bad).reduce(|a, b| if rank(b).1 > rank(a).1 { b } else { a }).or(worst);
     let Some(worst) = worst else {
         return (finding(subject, None, fixed, plan.tolerance), 0);
     };

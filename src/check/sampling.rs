@@ -296,7 +296,7 @@ mod tests {
         }
         fn sample(&self, wo: Vector<f64>, u: [f64; 3]) -> Option<Sample> {
             let square = if *self == Fault::Uniform { 1.0 - (1.0 - u[0]).powi(2) } else { u[0] };
-            let tilt = if *self == Fault::Tilted { 0.02 * (TAU * u[1]).sin() } else { 0.0 };
+            let tilt = if *self == Fault::Tilted { 0.2 * (TAU * u[1]).sin() } else { 0.0 };
             let (sin, cos) = (TAU * u[1] + tilt).sin_cos();
             let wi = Vector::new(square.sqrt() * cos, square.sqrt() * sin, (1.0 - square).sqrt());
             if *self == Fault::Lossy && u[2] < 0.02 {
