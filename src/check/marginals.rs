@@ -156,8 +156,9 @@ fn gaps(thetas: &[f64], step: f64) -> Vec<f64> {
 /// Polar angles where f has a ridge narrower than the gaps, whatever the free direction: the most prominent ones, and what the
 /// look cost.
 ///
-/// At steps of 0.1°, f is compared with itself ½° and 1½° to either side, for free directions all over the hemisphere. A lobe
-/// passes over few of them at one angle; a ridge lifts many.
+/// At steps of 0.1°, f is compared with itself ½° and 1½° to either side: for free directions all over the hemisphere, of which a
+/// lobe passes over few at one angle and a ridge lifts many; and for the mirror, the retro direction and one beside them,
+/// which see a ridge that takes both directions.
 fn ridges(subject: &dyn Subject, fixed: Fixed, phi: f64, thetas: &[f64], seed: u32) -> (Vec<f64>, usize) {
     const STEP: f64 = 0.1;
     const FREE: usize = 32;
@@ -171,13 +172,15 @@ fn ridges(subject: &dyn Subject, fixed: Fixed, phi: f64, thetas: &[f64], seed: u
     }
     let angles: Vec<f64> = (0..=((high - low) / STEP) as usize).map(|i| low + STEP * i as f64).collect();
     let free: Vec<Vector<f64>> = (0..FREE).map(|i| Class::Hemisphere.pair(i, seed).0).collect();
-    // f summed over the channels, by free direction and angle.
-    let rows: Vec<Vec<f64>> = free
-        .par_iter()
-        .map(|&free| {
+    // f summed over the channels, by free direction and angle; the last rows follow the fixed direction around.
+    let follows: [f64; 3] = [180.0, 0.0, 90.0];
+    let rows: Vec<Vec<f64>> = (0..FREE + follows.len())
+        .into_par_iter()
+        .map(|row| {
             let place = |&theta: &f64| {
-                let fixed_at = Vector::from_angles(theta.to_radians(), phi.to_radians());
-                if fixed == Fixed::View { (free, fixed_at) } else { (fixed_at, free) }
+                let at = |phi: f64| Vector::from_angles(theta.to_radians(), phi.to_radians());
+                let other = free.get(row).copied().unwrap_or_else(|| at(phi + follows[(row - FREE) % follows.len()]));
+                if fixed == Fixed::View { (other, at(phi)) } else { (at(phi), other) }
             };
             let pairs: Vec<Pair> = angles.iter().map(place).collect();
             let mut f = vec![0.0; pairs.len() * channels];
@@ -186,20 +189,19 @@ fn ridges(subject: &dyn Subject, fixed: Fixed, phi: f64, thetas: &[f64], seed: u
             f.chunks_exact(channels).map(sum).collect()
         })
         .collect();
+    let lift = |row: &[f64], i: usize| {
+        let over = |away: usize| {
+            let beside = row[i.saturating_sub(away)].max(row[(i + away).min(row.len() - 1)]);
+            row[i] / beside.max(1e-9)
+        };
+        over(5).max(over(15))
+    };
     let prominence = |i: usize| {
-        let mut lifts: Vec<f64> = rows
-            .iter()
-            .map(|row| {
-                let lift = |away: usize| {
-                    let beside = row[i.saturating_sub(away)].max(row[(i + away).min(row.len() - 1)]);
-                    row[i] / beside.max(1e-9)
-                };
-                lift(5).max(lift(15))
-            })
-            .collect();
+        let (spread, following) = rows.split_at(FREE);
+        let mut lifts: Vec<f64> = spread.iter().map(|row| lift(row, i)).collect();
         // The upper quartile: a ridge may lift some of the directions alone.
         lifts.sort_by(f64::total_cmp);
-        lifts[3 * lifts.len() / 4]
+        following.iter().map(|row| lift(row, i)).fold(lifts[3 * lifts.len() / 4], f64::max)
     };
     let lifted: Vec<f64> = (0..angles.len()).map(prominence).collect();
     let mut tops: Vec<usize> = (1..angles.len().saturating_sub(1))
