@@ -80,7 +80,9 @@ impl Cause {
     /// What to look for, in words.
     pub const fn text(self) -> &'static str {
         match self {
-            Cause::Cosine => "f/cos is reciprocal and f is not: the subject seems to return f·cos; check it with --returns fcos",
+            Cause::Cosine => {
+                "f/cos is reciprocal and f is not: the subject seems to return f·cos; check it with --returns fcos"
+            }
             Cause::PiCosine => {
                 "f/cos is reciprocal and reflects up to π: the subject seems to return π·f·cos; check it with --returns pifcos"
             }
@@ -113,12 +115,16 @@ impl Cause {
             Cause::NegativeBase => {
                 "NaN over a whole part of the hemisphere: pow of a negative base, or sqrt or acos out of its domain"
             }
-            Cause::AtNormal => "not finite along the normal alone: an azimuth, or a division by sinθ, where there is none",
+            Cause::AtNormal => {
+                "not finite along the normal alone: an azimuth, or a division by sinθ, where there is none"
+            }
             Cause::AtGrazing => "not finite at grazing alone: a division by a cosine that goes to 0",
             Cause::AtRetro => {
                 "not finite at wi = wo alone: a division by a distance or an angle between them, or acos of a number above 1"
             }
-            Cause::AtMirror => "not finite where the half vector is the normal alone: a division by sinθ of the half vector",
+            Cause::AtMirror => {
+                "not finite where the half vector is the normal alone: a division by sinθ of the half vector"
+            }
             Cause::Unclamped => "negative: a cosine or a difference that is not clamped with max(…, 0)",
             Cause::AnisotropicLimit => {
                 "both widths are equal, and f still changes when both directions turn about the normal: the anisotropic form does not \
@@ -133,9 +139,8 @@ pub(super) fn explain(subject: &dyn Subject, report: &mut Report, options: &Opti
     if options.profile == Profile::Measured || subject.channels() == 0 {
         return;
     }
-    let failed = |check: Check| {
-        report.findings.iter().any(|f| f.check == check && !f.single && f.verdict == Verdict::Fail)
-    };
+    let failed =
+        |check: Check| report.findings.iter().any(|f| f.check == check && !f.single && f.verdict == Verdict::Fail);
     let mut causes: Vec<(Check, Cause)> = Vec::new();
     if failed(Check::Finite) {
         causes.extend(broken(subject, options.seed).map(|cause| (Check::Finite, cause)));
@@ -231,9 +236,8 @@ fn asymmetry(subject: &dyn Subject, report: &Report, seed: u32) -> Option<Cause>
     }
     let fails = |fixed| report.energy(fixed).is_some_and(|finding| finding.verdict == Verdict::Fail);
     // Without the cosine it must be a BRDF, but for a scale: s/NV is symmetric over NL as well, and grows without bound.
-    let stripped = |factor: fn(Vector<f64>, Vector<f64>) -> f64| {
-        brightest(&scaled(subject, factor), &[0.0, 45.0, 75.0, 88.0])
-    };
+    let stripped =
+        |factor: fn(Vector<f64>, Vector<f64>) -> f64| brightest(&scaled(subject, factor), &[0.0, 45.0, 75.0, 88.0]);
     if by_light {
         let most = stripped(|wi, _| 1.0 / wi.z);
         if most < 1.03 * PI {
@@ -252,10 +256,7 @@ fn asymmetry(subject: &dyn Subject, report: &Report, seed: u32) -> Option<Cause>
 }
 
 /// The subject times a function.
-fn scaled(
-    subject: &dyn Subject,
-    factor: impl Fn(Vector<f64>, Vector<f64>) -> f64 + Sync,
-) -> impl Subject {
+fn scaled(subject: &dyn Subject, factor: impl Fn(Vector<f64>, Vector<f64>) -> f64 + Sync) -> impl Subject {
     from_fn("scaled", subject.channels(), move |wi: Vector<f64>, wo: Vector<f64>, f: &mut [f64]| {
         subject.evaluate(wi, wo, f);
         let factor = if wi.z > 0.0 && wo.z > 0.0 { factor(wi, wo) } else { 0.0 };
@@ -279,9 +280,8 @@ fn excess(subject: &dyn Subject, report: &Report, seed: u32) -> Option<Cause> {
     row.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (&first, &last) = (row.first()?, row.last()?);
     let most = row.iter().fold(0.0f64, |most, &(_, albedo)| most.max(albedo));
-    let steep = |(a, fa): (f64, f64), (b, fb): (f64, f64)| {
-        (fb / fa).ln() / (a.to_radians().cos() / b.to_radians().cos()).ln()
-    };
+    let steep =
+        |(a, fa): (f64, f64), (b, fb): (f64, f64)| (fb / fa).ln() / (a.to_radians().cos() / b.to_radians().cos()).ln();
     // As far as f·cos counts, a constant above 1/π is Lambert's ρ.
     if let Some(constant) = constant(subject, seed) {
         return (constant > 1.001 * FRAC_1_PI && constant <= 1.0).then_some(Cause::MissingPi);

@@ -175,9 +175,9 @@ fn isotropic_limits(parameters: &[Parameter]) -> Vec<Vec<f64>> {
         }
         for (j, b) in parameters.iter().enumerate().skip(i + 1) {
             let other = b.name.to_lowercase();
-            let along = [("x", "y"), ("u", "v")].into_iter().any(|(x, y)| {
-                name.strip_suffix(x).is_some_and(|stem| other.strip_suffix(y) == Some(stem))
-            });
+            let along = [("x", "y"), ("u", "v")]
+                .into_iter()
+                .any(|(x, y)| name.strip_suffix(x).is_some_and(|stem| other.strip_suffix(y) == Some(stem)));
             let (low, high) = (a.low.max(b.low), a.high.min(b.high));
             if along && low <= high {
                 for share in [0.25, 0.9] {
@@ -218,7 +218,9 @@ mod tests {
     #[test]
     fn terms_that_belong_together_pass_the_furnace() {
         let g1 = |alpha: f64| {
-            move |v: Vector<f64>, _: Vector<f64>| 2.0 * v.z / (v.z + (v.z * v.z + alpha * alpha * v.sin_squared()).sqrt())
+            move |v: Vector<f64>, _: Vector<f64>| {
+                2.0 * v.z / (v.z + (v.z * v.z + alpha * alpha * v.sin_squared()).sqrt())
+            }
         };
         let thetas = [0.0, 30.0, 60.0, 85.0];
         for alpha in [0.01, 0.1, 0.5, 1.0] {
@@ -244,14 +246,10 @@ mod tests {
 
     #[test]
     fn limits_by_name() {
-        let parameter = |name: &str| Parameter {
-            name: name.into(),
-            low: 0.0,
-            high: 1.0,
-            default: 0.5,
-            scale: Scale::Linear,
-        };
-        let named = |names: &[&str]| isotropic_limits(&names.iter().map(|name| parameter(name)).collect::<Vec<_>>()).len();
+        let parameter =
+            |name: &str| Parameter { name: name.into(), low: 0.0, high: 1.0, default: 0.5, scale: Scale::Linear };
+        let named =
+            |names: &[&str]| isotropic_limits(&names.iter().map(|name| parameter(name)).collect::<Vec<_>>()).len();
         assert_eq!(named(&["alpha_x", "alpha_y", "tint"]), 2);
         assert_eq!(named(&["nu", "rs", "nv"]), 2);
         assert_eq!(named(&["anisotropic"]), 1);

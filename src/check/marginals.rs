@@ -71,11 +71,12 @@ pub(super) fn energy(subject: &dyn Subject, plan: &Plan<'_>) -> Energy {
     let mut bumps = Vec::new();
     let mut watch = Watch::default();
     for fixed in Fixed::BOTH {
-        let mut glances: Vec<(f64, f64)> =
+        let glances: Vec<(f64, f64)> =
             looks.iter().flat_map(|&phi| between.iter().map(move |&theta| (theta, phi))).collect();
         for &phi in plan.azimuths {
             let (ridges, spent) = ridges(subject, fixed, phi, plan.thetas, plan.effort.seed);
-            glances.extend(ridges.into_iter().map(|theta| (theta, phi)));
+            // A glance cannot tell what a ridge is worth.
+            bumps.extend(ridges.into_iter().map(|theta| (theta, phi, fixed)));
             evaluations += spent;
         }
         let seen: Vec<(Albedo, Watch)> =
@@ -87,7 +88,8 @@ pub(super) fn energy(subject: &dyn Subject, plan: &Plan<'_>) -> Energy {
             high.push(albedo);
         }
         high.sort_by(|a, b| a.phi.total_cmp(&b.phi).then(a.theta.total_cmp(&b.theta)));
-        let beside = |i: usize, j: Option<&Albedo>| j.is_none_or(|j| j.phi != high[i].phi || j.peak().1 <= high[i].peak().1);
+        let beside =
+            |i: usize, j: Option<&Albedo>| j.is_none_or(|j| j.phi != high[i].phi || j.peak().1 <= high[i].peak().1);
         let top = |&i: &usize| {
             high[i].peak().1 >= WORTH_CLIMBING
                 && beside(i, i.checked_sub(1).and_then(|i| high.get(i)))
@@ -209,7 +211,7 @@ fn ridges(subject: &dyn Subject, fixed: Fixed, phi: f64, thetas: &[f64], seed: u
         .collect();
     tops.sort_by(|&a, &b| lifted[b].total_cmp(&lifted[a]));
     tops.truncate(MOST);
-    (tops.into_iter().map(|i| angles[i]).collect(), FREE * angles.len())
+    (tops.into_iter().map(|i| (angles[i] * 10.0).round() / 10.0).collect(), FREE * angles.len())
 }
 
 /// The verdict on an albedo, of its worst channel, and that channel. A pass takes agreement and finite samples.
@@ -264,7 +266,8 @@ fn marginal(
         let (a, b) = (rank(albedo), worst.map_or((Verdict::Pass, 0.0), rank));
         plan.thetas.contains(&albedo.theta) && a.0 == b.0 && a.1 >= b.1 - 3e-4 * b.1.abs()
     };
-    let worst = corners.iter().copied().filter(as_bad).reduce(|a, b| if rank(b).1 > rank(a).1 { b } else { a }).or(worst);
+    let worst =
+        corners.iter().copied().filter(as_bad).reduce(|a, b| if rank(b).1 > rank(a).1 { b } else { a }).or(worst);
     let Some(worst) = worst else {
         return (finding(subject, None, fixed, plan.tolerance), 0);
     };

@@ -161,7 +161,8 @@ impl Cubature {
         for &point in points {
             counts.entry(self.leaf(point)).or_default().push(point);
         }
-        let mut crowded: Vec<(usize, Vec<[f64; 2]>, u32)> = counts.into_iter().map(|(leaf, held)| (leaf, held, 0)).collect();
+        let mut crowded: Vec<(usize, Vec<[f64; 2]>, u32)> =
+            counts.into_iter().map(|(leaf, held)| (leaf, held, 0)).collect();
         crowded.sort_by_key(|(leaf, ..)| *leaf);
         while let Some((leaf, held, depth)) = crowded.pop() {
             if held.len() <= most || depth > 40 {

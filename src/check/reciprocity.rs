@@ -68,7 +68,11 @@ impl<'a> Comparison<'a> {
         let both: Vec<Pair> = pairs.iter().copied().chain(pairs.iter().map(|&(wi, wo)| (wo, wi))).collect();
         let f = self.evaluate(&both);
         let (forth, back) = f.split_at(pairs.len() * self.channels);
-        forth.chunks_exact(self.channels).zip(back.chunks_exact(self.channels)).map(|(f, g)| Self::largest(f, g)).collect()
+        forth
+            .chunks_exact(self.channels)
+            .zip(back.chunks_exact(self.channels))
+            .map(|(f, g)| Self::largest(f, g))
+            .collect()
     }
 
     fn difference(&mut self, pair: Pair) -> Difference {

@@ -234,13 +234,17 @@ impl Finding {
     fn measured(&self) -> String {
         match self.check {
             // Rounded up: an error of 0 is never claimed.
-            Check::Energy | Check::Density | Check::Normalisation => format!("{:.4} ± {:.4}", self.value, (self.error * 1e4).ceil().max(1.0) * 1e-4),
+            Check::Energy | Check::Density | Check::Normalisation => {
+                format!("{:.4} ± {:.4}", self.value, (self.error * 1e4).ceil().max(1.0) * 1e-4)
+            }
             Check::Finite if self.value == 0.0 => "everywhere".into(),
             Check::Finite | Check::Horizon => format!("{} samples", self.value),
             Check::Sign if self.verdict == Verdict::Pass => format!("f ≥ {:.2e}", self.value),
             Check::Twin => format!("{:.0}% used", 100.0 * self.value),
             Check::Sampling => format!("p = {:.1e}", self.value),
-            Check::Reciprocity | Check::Sign | Check::Precision | Check::Weight | Check::Limit => format!("{:.2e}", self.value),
+            Check::Reciprocity | Check::Sign | Check::Precision | Check::Weight | Check::Limit => {
+                format!("{:.2e}", self.value)
+            }
         }
     }
 

@@ -165,7 +165,11 @@ impl View {
         let least = (n / BINS).max(LEAST);
         let leaves = panels.leaves();
         let mut bin_of = vec![0; leaves.iter().map(|leaf| leaf.0 + 1).max().unwrap_or(0)];
-        self.bins.push(Bin { expected: n * (1.0 - self.total).max(0.0), doubt: n * self.error, found: self.lost as f64 });
+        self.bins.push(Bin {
+            expected: n * (1.0 - self.total).max(0.0),
+            doubt: n * self.error,
+            found: self.lost as f64,
+        });
         for (node, mass, error) in leaves {
             if self.bins.last().is_none_or(|bin| bin.expected >= least) {
                 self.bins.push(Bin::default());
@@ -310,7 +314,13 @@ mod tests {
             let cosine = FRAC_1_PI * wi.z.max(0.0);
             match self {
                 Fault::Density => 1.01 * cosine,
-                Fault::Negative => if wi.x > 0.99 { -cosine } else { cosine },
+                Fault::Negative => {
+                    if wi.x > 0.99 {
+                        -cosine
+                    } else {
+                        cosine
+                    }
+                }
                 _ => cosine,
             }
         }

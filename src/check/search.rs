@@ -188,9 +188,8 @@ impl Search<'_> {
     /// Climbs from the best looks that are apart.
     fn climb(&self, mut looks: Vec<Look>, glances: usize) -> Vec<Look> {
         looks.sort_by(|a, b| b.albedo.total_cmp(&a.albedo));
-        let apart = |a: &Look, b: &Look| {
-            a.fixed != b.fixed || a.units.iter().zip(&b.units).any(|(a, b)| (a - b).abs() > 0.15)
-        };
+        let apart =
+            |a: &Look, b: &Look| a.fixed != b.fixed || a.units.iter().zip(&b.units).any(|(a, b)| (a - b).abs() > 0.15);
         let mut starts: Vec<Look> = Vec::new();
         for look in &looks {
             if starts.len() < CLIMBS && starts.iter().all(|other| apart(look, other)) {
@@ -233,8 +232,10 @@ impl Search<'_> {
     fn trial(&self, units: &[f64], index: usize) -> Trial {
         let subject = self.member(units);
         let each = PAIRS / Class::ALL.len();
-        let pairs: Vec<Pair> =
-            Class::ALL.iter().flat_map(|class| (0..each).map(move |i| class.pair(each * index + i, self.seed))).collect();
+        let pairs: Vec<Pair> = Class::ALL
+            .iter()
+            .flat_map(|class| (0..each).map(move |i| class.pair(each * index + i, self.seed)))
+            .collect();
         Trial { units: units.to_vec(), worst: worst(&*subject, &pairs) }
     }
 
@@ -496,9 +497,11 @@ mod tests {
 
     #[test]
     fn units_and_values_are_inverse() {
-        for parameter in
-            [parameter(-1.0, 3.0, Scale::Linear), parameter(1e-4, 1.0, Scale::Logarithmic), parameter(0.0, 1.0, Scale::Switch)]
-        {
+        for parameter in [
+            parameter(-1.0, 3.0, Scale::Linear),
+            parameter(1e-4, 1.0, Scale::Logarithmic),
+            parameter(0.0, 1.0, Scale::Switch),
+        ] {
             for unit in [0.0, 0.25, 0.5, 1.0] {
                 let value = Space::value(&parameter, unit);
                 assert!(value >= parameter.low && value <= parameter.high);

@@ -120,7 +120,8 @@ fn of_planets_and_cloth() {
             .cause(Cause::OneSided),
         one("Seeliger + opposition surge", |wi, wo| {
             let phase = wi.dot(wo).clamp(-1.0, 1.0).acos();
-            0.2 * FRAC_1_PI / (wi.z + wo.z) * (1.0 + 0.8 * (-phase / 0.01).exp() + (phase / FRAC_PI_2).sin().abs() * 0.1)
+            0.2 * FRAC_1_PI / (wi.z + wo.z)
+                * (1.0 + 0.8 * (-phase / 0.01).exp() + (phase / FRAC_PI_2).sin().abs() * 0.1)
         })
         .energy(Energy::Pass),
     ]);

@@ -16,7 +16,10 @@ fn phong_and_blinn() {
     let mut cases: Vec<Case> = Vec::new();
     // (n+2)/2π·cosⁿ: the whole lobe at normal incidence, cut by the horizon elsewhere.
     for n in [1, 10, 100] {
-        cases.push(one(format!("Phong n={n}"), move |wi, wo| f64::from(n + 2) / (2.0 * PI) * mirrored(wi, wo).powi(n)).peaks(1.0));
+        cases.push(
+            one(format!("Phong n={n}"), move |wi, wo| f64::from(n + 2) / (2.0 * PI) * mirrored(wi, wo).powi(n))
+                .peaks(1.0),
+        );
     }
     // (n+1)/2π normalises ∫cosⁿ, not ∫cosⁿ·cos: less than 1 at normal incidence, ≤ 1 elsewhere as cos ≤ 1.
     cases.push(one("Phong (n+1)/2π n=20", |wi, wo| 21.0 / (2.0 * PI) * mirrored(wi, wo).powi(20)).energy(Energy::Grid));
@@ -44,12 +47,18 @@ fn phong_and_blinn() {
             .cause(Cause::Unclamped),
     );
     // Lafortune with one lobe: (n+2)/2π·(Cx(x+y) + Cz z)ⁿ; |C| ≤ 1 keeps it below Phong.
-    cases.push(one("Lafortune retro n=8", |wi, wo| {
-        10.0 / (2.0 * PI) * (0.7 * (wi.x * wo.x + wi.y * wo.y) + 0.6 * wi.z * wo.z).max(0.0).powi(8)
-    }).grid());
-    cases.push(one("Lafortune Cz>1 n=8", |wi, wo| {
-        10.0 / (2.0 * PI) * (-wi.x * wo.x - wi.y * wo.y + 1.05 * wi.z * wo.z).max(0.0).powi(8)
-    }).grid());
+    cases.push(
+        one("Lafortune retro n=8", |wi, wo| {
+            10.0 / (2.0 * PI) * (0.7 * (wi.x * wo.x + wi.y * wo.y) + 0.6 * wi.z * wo.z).max(0.0).powi(8)
+        })
+        .grid(),
+    );
+    cases.push(
+        one("Lafortune Cz>1 n=8", |wi, wo| {
+            10.0 / (2.0 * PI) * (-wi.x * wo.x - wi.y * wo.y + 1.05 * wi.z * wo.z).max(0.0).powi(8)
+        })
+        .grid(),
+    );
     judge_all(&cases);
 }
 

@@ -3,8 +3,8 @@
 use crate::microfacet::{beckmann, torrance_sparrow, v_cavity};
 use crate::{Energy, judge_all, of, one};
 use brdf::check::{Cause, Check, Fixed, Options, StackSubject, Verdict, check};
-use brdf::layered::{Interface, Layer, Model, Stack};
 use brdf::half_vector;
+use brdf::layered::{Interface, Layer, Model, Stack};
 use std::f64::consts::{FRAC_1_PI, PI};
 
 #[test]
@@ -70,4 +70,3 @@ fn our_stacks_do_not() {
         of(StackSubject::new("copper under a coat, coupled", copper(0.1, 0.1, Model::Coupled))),
     ]);
 }
-
