@@ -51,7 +51,7 @@ impl Effort {
 const GLANCED: usize = 5_000;
 
 /// The spread of a cross-check, relative to albedos above 1, beyond which it confirms nothing.
-const PRECISE: f64 = 0.03;
+const PRECISE: f64 = 0.3;
 
 /// The albedo for one fixed direction.
 #[derive(Clone, Debug, PartialEq)]
@@ -114,7 +114,7 @@ pub(super) fn watched(subject: &dyn Subject, theta: f64, phi: f64, fixed: Fixed,
     }
     let mut probe = Probe::new(Section { subject, direction, fixed });
     let mut lobes = lobes::find(&mut probe, effort.replicates > 0);
-    for last in [false, false, true] {
+    for last in [false, true] {
         let witnesses = integrate(&mut probe, &lobes, effort, &mut result);
         if result.agrees || last {
             break;
