@@ -286,10 +286,11 @@ fn excess(subject: &dyn Subject, report: &Report, seed: u32) -> Option<Cause> {
     if let Some(constant) = constant(subject, seed) {
         return (constant > 1.001 * FRAC_1_PI && constant <= 1.0).then_some(Cause::MissingPi);
     }
-    if let Some(&before) = row.iter().rev().find(|&&(theta, _)| (80.0..89.6).contains(&theta)) {
-        if last.0 > before.0 + 0.1 && steep(before, last) > 0.6 {
-            return Some(Cause::Unmasked);
-        }
+    if let Some(&before) = row.iter().rev().find(|&&(theta, _)| (80.0..89.6).contains(&theta))
+        && last.0 > before.0 + 0.1
+        && steep(before, last) > 0.6
+    {
+        return Some(Cause::Unmasked);
     }
     let near = |factor: f64| (0.97 * factor..=1.005 * factor).contains(&most);
     let upright = |factor: f64, share: f64| {

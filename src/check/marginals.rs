@@ -169,7 +169,7 @@ fn ridges(subject: &dyn Subject, fixed: Fixed, phi: f64, thetas: &[f64], seed: u
     let low = thetas.iter().copied().fold(f64::INFINITY, f64::min);
     let high = thetas.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let channels = subject.channels();
-    if !(high > low) || channels == 0 {
+    if high <= low || channels == 0 {
         return (Vec::new(), 0);
     }
     let angles: Vec<f64> = (0..=((high - low) / STEP) as usize).map(|i| low + STEP * i as f64).collect();
@@ -343,7 +343,7 @@ fn climb(
 fn golden((mut low, mut high): (f64, f64), known: (f64, f64), mut at: impl FnMut(f64) -> f64) -> (f64, f64) {
     let golden = 0.5 * (5f64.sqrt() - 1.0);
     let mut best = known;
-    if !(high > low) {
+    if high <= low {
         return best;
     }
     let (mut a, mut b) = (high - golden * (high - low), low + golden * (high - low));

@@ -35,7 +35,8 @@ fn narrow_lobes() {
             let mirrored = Vector::new(-wo.x, -wo.y, wo.z);
             ggx(half_vector(wi, mirrored), alpha) * smith(wi, mirrored, alpha, alpha)
         };
-        cases.push(one(format!("retro α={alpha}"), retro));
+        // Away from the mirror so narrow a lobe with long tails is not always resolved; it must then be said.
+        cases.push(one(format!("retro α={alpha}"), retro).energy(Energy::NotFail));
         cases.push(
             one(format!("1.2·retro α={alpha}"), move |wi, wo| 1.2 * retro(wi, wo)).energy(Energy::Fail(1.2, 0.01)),
         );
