@@ -18,6 +18,11 @@ use sobol_burley::sample_4d;
 /// Shares of the mixture: panels, cosine, radii, lobes.
 const SHARES: [f64; 4] = [0.6, 0.15, 0.15, 0.1];
 
+/// Samples that are kept as witnesses against the cubature.
+///
+/// Each costs the panels around a lobe: with many, the cubature has nothing left to refine with.
+const WITNESSES: usize = 1;
+
 /// Samples that the subject is given at once.
 const BLOCK: usize = 256;
 
@@ -32,8 +37,8 @@ pub(super) struct Mixture<'a> {
 pub(super) struct Estimate {
     pub(super) mean: Vec<f64>,
     pub(super) standard_error: Vec<f64>,
-    /// Where the sample was that says most against the cubature.
-    pub(super) witness: Vector<f64>,
+    /// Where the samples were that say most against the cubature.
+    pub(super) witnesses: Vec<Vector<f64>>,
 }
 
 struct Draw {
@@ -53,7 +58,8 @@ impl Mixture<'_> {
         let samples = samples.min(1 << 16);
         let mut model = vec![0.0; channels];
         let (mut sum, mut squares) = (vec![0.0; channels], vec![0.0; channels]);
-        let mut witness = (0.0, probe.section.direction);
+        let mut witnesses: Vec<(f64, Vector<f64>)> = Vec::new();
+        let mut least = 0.0;
         let (mut draws, mut directions, mut values) = (Vec::new(), Vec::new(), Vec::new());
         for replicate in 0..replicates {
             let scramble = seed.wrapping_mul(0x9e37_79b9).wrapping_add(replicate as u32);
@@ -72,12 +78,17 @@ impl Mixture<'_> {
                     self.panels.model(at, &mut model);
                     for ((mean, f), model) in mean.iter_mut().zip(f).zip(&model) {
                         let excess = (f - model / weight) / density;
-                        if excess.abs() > witness.0 {
-                            witness = (excess.abs(), v);
+                        if excess.abs() > least {
+                            witnesses.push((excess.abs(), v));
                         }
                         *mean += excess / samples as f64;
                     }
                 }
+            }
+            witnesses.sort_by(|a, b| b.0.total_cmp(&a.0));
+            witnesses.truncate(WITNESSES);
+            if witnesses.len() == WITNESSES {
+                least = witnesses[WITNESSES - 1].0;
             }
             for c in 0..channels {
                 sum[c] += mean[c];
@@ -91,7 +102,7 @@ impl Mixture<'_> {
         for (mean, known) in mean.iter_mut().zip(self.panels.result().0) {
             *mean += known;
         }
-        Estimate { mean, standard_error, witness: witness.1 }
+        Estimate { mean, standard_error, witnesses: witnesses.into_iter().map(|(_, v)| v).collect() }
     }
 
     /// A sample of the mixture; none where the density drawn from reaches below the horizon.

@@ -235,12 +235,16 @@ fn asymmetry(subject: &dyn Subject, report: &Report, seed: u32) -> Option<Cause>
         return None;
     }
     let fails = |fixed| report.energy(fixed).is_some_and(|finding| finding.verdict == Verdict::Fail);
+    // Without the cosine it must be a BRDF, but for a scale: s/NV is symmetric over NL as well, and grows without bound.
+    let stripped =
+        |factor: fn(Vector<f64>, Vector<f64>) -> f64| brightest(&scaled(subject, factor), &[0.0, 45.0, 75.0, 88.0]);
     if by_light {
-        let stripped = scaled(subject, |wi, _| 1.0 / wi.z);
-        let most = brightest(&stripped, &[0.0, 45.0, 75.0, 88.0]);
-        return Some(if most > 1.01 && most < 1.03 * PI { Cause::PiCosine } else { Cause::Cosine });
+        let most = stripped(|wi, _| 1.0 / wi.z);
+        if most < 1.03 * PI {
+            return Some(if most > 1.01 { Cause::PiCosine } else { Cause::Cosine });
+        }
     }
-    if by_view {
+    if by_view && stripped(|_, wo| 1.0 / wo.z) < 1.03 * PI {
         Some(Cause::Swapped)
     } else if one_sided && !fails(Fixed::View) && fails(Fixed::Light) {
         Some(Cause::ViewScaled)
@@ -282,10 +286,11 @@ fn excess(subject: &dyn Subject, report: &Report, seed: u32) -> Option<Cause> {
     if let Some(constant) = constant(subject, seed) {
         return (constant > 1.001 * FRAC_1_PI && constant <= 1.0).then_some(Cause::MissingPi);
     }
-    if let Some(&before) = row.iter().rev().find(|&&(theta, _)| (80.0..89.6).contains(&theta)) {
-        if last.0 > before.0 + 0.1 && steep(before, last) > 0.6 {
-            return Some(Cause::Unmasked);
-        }
+    if let Some(&before) = row.iter().rev().find(|&&(theta, _)| (80.0..89.6).contains(&theta))
+        && last.0 > before.0 + 0.1
+        && steep(before, last) > 0.6
+    {
+        return Some(Cause::Unmasked);
     }
     let near = |factor: f64| (0.97 * factor..=1.005 * factor).contains(&most);
     let upright = |factor: f64, share: f64| {

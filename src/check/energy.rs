@@ -50,6 +50,9 @@ impl Effort {
 /// Evaluations below which an integral without a cross-check starts from wide panels.
 const GLANCED: usize = 5_000;
 
+/// The spread of a cross-check, relative to albedos above 1, beyond which it confirms nothing.
+const PRECISE: f64 = 0.3;
+
 /// The albedo for one fixed direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Albedo {
@@ -112,20 +115,20 @@ pub(super) fn watched(subject: &dyn Subject, theta: f64, phi: f64, fixed: Fixed,
     let mut probe = Probe::new(Section { subject, direction, fixed });
     let mut lobes = lobes::find(&mut probe, effort.replicates > 0);
     for last in [false, true] {
-        let witness = integrate(&mut probe, &lobes, effort, &mut result);
+        let witnesses = integrate(&mut probe, &lobes, effort, &mut result);
         if result.agrees || last {
             break;
         }
         // The cubature has missed something, and the cross-check has hit it.
-        lobes.extend(lobes::uphill(&mut probe, witness));
+        lobes.extend(lobes::uphill(&mut probe, &witnesses));
     }
     result.non_finite = probe.watch.broken;
     result.evaluations = probe.evaluations;
     (result, probe.watch)
 }
 
-/// One cubature with its cross-check. Returns the direction of the sample that contradicts the cubature most.
-fn integrate(probe: &mut Probe<'_>, lobes: &[Lobe], effort: &Effort, result: &mut Albedo) -> Vector<f64> {
+/// One cubature with its cross-check. Returns the directions of the samples that contradict the cubature most.
+fn integrate(probe: &mut Probe<'_>, lobes: &[Lobe], effort: &Effort, result: &mut Albedo) -> Vec<Vector<f64>> {
     let direction = probe.section.direction;
     let channels = probe.section.subject.channels();
     let chart = Chart::new(direction);
@@ -158,7 +161,7 @@ fn integrate(probe: &mut Probe<'_>, lobes: &[Lobe], effort: &Effort, result: &mu
     result.error = bound.clone();
     result.value = value;
     if glance {
-        return direction;
+        return Vec::new();
     }
     panels.weigh();
     let mixture = Mixture { chart: &chart, panels: &panels, lobes };
@@ -168,14 +171,16 @@ fn integrate(probe: &mut Probe<'_>, lobes: &[Lobe], effort: &Effort, result: &mu
         let apart = (value - estimate.mean[c]).abs();
         // Sixteen replicates: one in a thousand honest means lies more than 4.07 standard errors off (Student, 15 degrees
         // of freedom). The floor admits a standard error that is 0 by luck.
-        let agrees = apart <= bound + 4.07 * spread + 1e-6 + 1e-4 * value.abs();
+        let near = apart <= bound + 4.07 * spread + 1e-6 + 1e-4 * value.abs();
+        // A second opinion that spans everything confirms nothing.
+        let agrees = near && 4.07 * spread <= PRECISE * value.abs().max(1.0);
         let distance = apart + 3.0 * spread;
         result.error[c] = if agrees { bound.min(distance) } else { bound.max(distance) };
         result.agrees &= agrees;
     }
     result.cross_check = estimate.mean;
     result.standard_error = estimate.standard_error;
-    estimate.witness
+    estimate.witnesses
 }
 
 /// Cuts the panels around a lobe that is not the chart's own centre down to the lobe's width.

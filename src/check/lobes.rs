@@ -106,12 +106,27 @@ fn step_from(v: Vector<f64>, frame: &Frame<f64>, a: f64, b: f64) -> Vector<f64> 
     (v + frame.tangent * a + frame.bitangent * b).normalized()
 }
 
-/// The lobe that is uphill from a direction, if f is not 0 there.
-pub(super) fn uphill(probe: &mut Probe<'_>, from: Vector<f64>) -> Option<Lobe> {
-    let top = heights(probe, &[from])[0];
-    let mut climber = [Climber { at: from, top, step: 1e-3 }];
-    climb(probe, &mut climber, STEPS);
-    if climber[0].top > 0.0 { measured(probe, &climber).pop() } else { None }
+/// The lobes that are uphill from some directions, where f is not 0; one for each, though several may be the same.
+pub(super) fn uphill(probe: &mut Probe<'_>, from: &[Vector<f64>]) -> Vec<Lobe> {
+    let tops = heights(probe, from);
+    let mut climbers: Vec<Climber> = from.iter().zip(tops).map(|(&at, top)| Climber { at, top, step: 1e-3 }).collect();
+    climb(probe, &mut climbers, STEPS);
+    climbers.retain(|climber| climber.top > 0.0 && climber.at.z > 0.0);
+    distinct(measured(probe, &climbers))
+}
+
+/// Those that are apart by their widths.
+fn distinct(found: Vec<Lobe>) -> Vec<Lobe> {
+    let mut lobes: Vec<Lobe> = Vec::new();
+    for lobe in found {
+        let apart = |other: &Lobe| {
+            (other.direction - lobe.direction).length_squared().sqrt() > 0.5 * other.width.min(lobe.width)
+        };
+        if lobes.iter().all(apart) {
+            lobes.push(lobe);
+        }
+    }
+    lobes
 }
 
 /// The lobes of a section. A search that is not thorough climbs less.
@@ -150,16 +165,7 @@ pub(super) fn find(probe: &mut Probe<'_>, thorough: bool) -> Vec<Lobe> {
     climbers.extend(spread.into_iter().take(if thorough { CLIMBED } else { 1 }));
     climb(probe, &mut climbers, if thorough { STEPS } else { STEPS / 2 });
     climbers.retain(|climber| climber.top > 0.0 && climber.at.z > 0.0);
-    let mut lobes: Vec<Lobe> = Vec::new();
-    for lobe in measured(probe, &climbers) {
-        let apart = |other: &Lobe| {
-            (other.direction - lobe.direction).length_squared().sqrt() > 0.5 * other.width.min(lobe.width)
-        };
-        if lobes.iter().all(apart) {
-            lobes.push(lobe);
-        }
-    }
-    lobes
+    distinct(measured(probe, &climbers))
 }
 
 #[cfg(test)]

@@ -71,11 +71,12 @@ pub(super) fn energy(subject: &dyn Subject, plan: &Plan<'_>) -> Energy {
     let mut bumps = Vec::new();
     let mut watch = Watch::default();
     for fixed in Fixed::BOTH {
-        let mut glances: Vec<(f64, f64)> =
+        let glances: Vec<(f64, f64)> =
             looks.iter().flat_map(|&phi| between.iter().map(move |&theta| (theta, phi))).collect();
         for &phi in plan.azimuths {
             let (ridges, spent) = ridges(subject, fixed, phi, plan.thetas, plan.effort.seed);
-            glances.extend(ridges.into_iter().map(|theta| (theta, phi)));
+            // A glance cannot tell what a ridge is worth.
+            bumps.extend(ridges.into_iter().map(|theta| (theta, phi, fixed)));
             evaluations += spent;
         }
         let seen: Vec<(Albedo, Watch)> =
@@ -84,10 +85,17 @@ pub(super) fn energy(subject: &dyn Subject, plan: &Plan<'_>) -> Energy {
         for (albedo, met) in seen {
             evaluations += albedo.evaluations;
             watch = watch.with(met);
-            if albedo.peak().1 >= WORTH_CLIMBING {
-                high.push(albedo);
-            }
+            high.push(albedo);
         }
+        high.sort_by(|a, b| a.phi.total_cmp(&b.phi).then(a.theta.total_cmp(&b.theta)));
+        let beside =
+            |i: usize, j: Option<&Albedo>| j.is_none_or(|j| j.phi != high[i].phi || j.peak().1 <= high[i].peak().1);
+        let top = |&i: &usize| {
+            high[i].peak().1 >= WORTH_CLIMBING
+                && beside(i, i.checked_sub(1).and_then(|i| high.get(i)))
+                && beside(i, high.get(i + 1))
+        };
+        let mut high: Vec<Albedo> = (0..high.len()).filter(top).map(|i| high[i].clone()).collect();
         high.sort_by(|a, b| b.peak().1.total_cmp(&a.peak().1));
         let mut chosen: Vec<(f64, f64, Fixed)> = Vec::new();
         for albedo in &high {
@@ -150,8 +158,9 @@ fn gaps(thetas: &[f64], step: f64) -> Vec<f64> {
 /// Polar angles where f has a ridge narrower than the gaps, whatever the free direction: the most prominent ones, and what the
 /// look cost.
 ///
-/// At steps of 0.1°, f is compared with itself ½° and 1½° to either side, for free directions all over the hemisphere. A lobe
-/// passes over few of them at one angle; a ridge lifts many.
+/// At steps of 0.1°, f is compared with itself ½° and 1½° to either side: for free directions all over the hemisphere, of which a
+/// lobe passes over few at one angle and a ridge lifts many; and for the mirror, the retro direction and one beside them,
+/// which see a ridge that takes both directions.
 fn ridges(subject: &dyn Subject, fixed: Fixed, phi: f64, thetas: &[f64], seed: u32) -> (Vec<f64>, usize) {
     const STEP: f64 = 0.1;
     const FREE: usize = 32;
@@ -160,18 +169,20 @@ fn ridges(subject: &dyn Subject, fixed: Fixed, phi: f64, thetas: &[f64], seed: u
     let low = thetas.iter().copied().fold(f64::INFINITY, f64::min);
     let high = thetas.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let channels = subject.channels();
-    if !(high > low) || channels == 0 {
+    if high <= low || channels == 0 {
         return (Vec::new(), 0);
     }
     let angles: Vec<f64> = (0..=((high - low) / STEP) as usize).map(|i| low + STEP * i as f64).collect();
     let free: Vec<Vector<f64>> = (0..FREE).map(|i| Class::Hemisphere.pair(i, seed).0).collect();
-    // f summed over the channels, by free direction and angle.
-    let rows: Vec<Vec<f64>> = free
-        .par_iter()
-        .map(|&free| {
+    // f summed over the channels, by free direction and angle; the last rows follow the fixed direction around.
+    let follows: [f64; 3] = [180.0, 0.0, 90.0];
+    let rows: Vec<Vec<f64>> = (0..FREE + follows.len())
+        .into_par_iter()
+        .map(|row| {
             let place = |&theta: &f64| {
-                let fixed_at = Vector::from_angles(theta.to_radians(), phi.to_radians());
-                if fixed == Fixed::View { (free, fixed_at) } else { (fixed_at, free) }
+                let at = |phi: f64| Vector::from_angles(theta.to_radians(), phi.to_radians());
+                let other = free.get(row).copied().unwrap_or_else(|| at(phi + follows[(row - FREE) % follows.len()]));
+                if fixed == Fixed::View { (other, at(phi)) } else { (at(phi), other) }
             };
             let pairs: Vec<Pair> = angles.iter().map(place).collect();
             let mut f = vec![0.0; pairs.len() * channels];
@@ -180,20 +191,19 @@ fn ridges(subject: &dyn Subject, fixed: Fixed, phi: f64, thetas: &[f64], seed: u
             f.chunks_exact(channels).map(sum).collect()
         })
         .collect();
+    let lift = |row: &[f64], i: usize| {
+        let over = |away: usize| {
+            let beside = row[i.saturating_sub(away)].max(row[(i + away).min(row.len() - 1)]);
+            row[i] / beside.max(1e-9)
+        };
+        over(5).max(over(15))
+    };
     let prominence = |i: usize| {
-        let mut lifts: Vec<f64> = rows
-            .iter()
-            .map(|row| {
-                let lift = |away: usize| {
-                    let beside = row[i.saturating_sub(away)].max(row[(i + away).min(row.len() - 1)]);
-                    row[i] / beside.max(1e-9)
-                };
-                lift(5).max(lift(15))
-            })
-            .collect();
+        let (spread, following) = rows.split_at(FREE);
+        let mut lifts: Vec<f64> = spread.iter().map(|row| lift(row, i)).collect();
         // The upper quartile: a ridge may lift some of the directions alone.
         lifts.sort_by(f64::total_cmp);
-        lifts[3 * lifts.len() / 4]
+        following.iter().map(|row| lift(row, i)).fold(lifts[3 * lifts.len() / 4], f64::max)
     };
     let lifted: Vec<f64> = (0..angles.len()).map(prominence).collect();
     let mut tops: Vec<usize> = (1..angles.len().saturating_sub(1))
@@ -201,7 +211,7 @@ fn ridges(subject: &dyn Subject, fixed: Fixed, phi: f64, thetas: &[f64], seed: u
         .collect();
     tops.sort_by(|&a, &b| lifted[b].total_cmp(&lifted[a]));
     tops.truncate(MOST);
-    (tops.into_iter().map(|i| angles[i]).collect(), FREE * angles.len())
+    (tops.into_iter().map(|i| (angles[i] * 10.0).round() / 10.0).collect(), FREE * angles.len())
 }
 
 /// The verdict on an albedo, of its worst channel, and that channel. A pass takes agreement and finite samples.
@@ -251,6 +261,13 @@ fn marginal(
         let (ra, rb) = (rank(a), rank(b));
         if rb.0.cmp(&ra.0).then(rb.1.total_cmp(&ra.1)).is_gt() { b } else { a }
     });
+    // A corner that is as bad within rounding is the rounder angle.
+    let as_bad = |albedo: &&Albedo| {
+        let (a, b) = (rank(albedo), worst.map_or((Verdict::Pass, 0.0), rank));
+        plan.thetas.contains(&albedo.theta) && a.0 == b.0 && a.1 >= b.1 - 3e-4 * b.1.abs()
+    };
+    let worst =
+        corners.iter().copied().filter(as_bad).reduce(|a, b| if rank(b).1 > rank(a).1 { b } else { a }).or(worst);
     let Some(worst) = worst else {
         return (finding(subject, None, fixed, plan.tolerance), 0);
     };
@@ -326,7 +343,7 @@ fn climb(
 fn golden((mut low, mut high): (f64, f64), known: (f64, f64), mut at: impl FnMut(f64) -> f64) -> (f64, f64) {
     let golden = 0.5 * (5f64.sqrt() - 1.0);
     let mut best = known;
-    if !(high > low) {
+    if high <= low {
         return best;
     }
     let (mut a, mut b) = (high - golden * (high - low), low + golden * (high - low));

@@ -108,7 +108,7 @@ impl View {
         for i in 0..samples {
             let Some(sample) = subject.sample(wo, [random.unit(), random.unit(), random.unit()]) else { continue };
             let at = chart.coordinates(sample.wi);
-            if !(sample.wi.z > 0.0) || !at.0.is_finite() || !at.1.is_finite() {
+            if sample.wi.z <= 0.0 || !at.0.is_finite() || !at.1.is_finite() {
                 continue;
             }
             points.push([at.0, at.1]);
@@ -183,12 +183,13 @@ impl View {
             self.bins[bin_of[panels.leaf(point)]].found += 1.0;
         }
         // The last one may have stayed small.
-        if self.bins.len() > 1 && self.bins.last().is_some_and(|bin| bin.expected < least) {
-            if let (Some(last), Some(before)) = (self.bins.pop(), self.bins.last_mut()) {
-                before.expected += last.expected;
-                before.doubt += last.doubt;
-                before.found += last.found;
-            }
+        if self.bins.len() > 1
+            && self.bins.last().is_some_and(|bin| bin.expected < least)
+            && let (Some(last), Some(before)) = (self.bins.pop(), self.bins.last_mut())
+        {
+            before.expected += last.expected;
+            before.doubt += last.doubt;
+            before.found += last.found;
         }
     }
 
@@ -210,7 +211,7 @@ impl View {
 /// Q(a, x) = Γ(a, x)/Γ(a): the tail of χ² with 2a degrees of freedom at 2x. Series and continued fraction, Abramowitz & Stegun
 /// 6.5.29 and 6.5.31.
 fn upper_gamma(a: f64, x: f64) -> f64 {
-    if !(x > 0.0) {
+    if x <= 0.0 {
         return 1.0;
     }
     let front = (a * x.ln() - x - ln_gamma(a)).exp();
@@ -300,7 +301,7 @@ mod tests {
         }
         fn sample(&self, wo: Vector<f64>, u: [f64; 3]) -> Option<Sample> {
             let square = if *self == Fault::Uniform { 1.0 - (1.0 - u[0]).powi(2) } else { u[0] };
-            let tilt = if *self == Fault::Tilted { 0.02 * (TAU * u[1]).sin() } else { 0.0 };
+            let tilt = if *self == Fault::Tilted { 0.2 * (TAU * u[1]).sin() } else { 0.0 };
             let (sin, cos) = (TAU * u[1] + tilt).sin_cos();
             let wi = Vector::new(square.sqrt() * cos, square.sqrt() * sin, (1.0 - square).sqrt());
             if *self == Fault::Lossy && u[2] < 0.02 {

@@ -55,7 +55,7 @@ impl Space<'_> {
 
     fn unit(parameter: &Parameter, value: f64) -> f64 {
         let Parameter { low, high, .. } = *parameter;
-        if !(high > low) {
+        if high <= low {
             return 0.0;
         }
         match parameter.scale {

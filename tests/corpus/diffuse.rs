@@ -47,8 +47,8 @@ fn known_verdicts() {
     judge_all(&[
         one("Lambert", |_, _| FRAC_1_PI).peaks(1.0),
         one("Lambert ρ=.18", |_, _| 0.18 * FRAC_1_PI).peaks(0.18),
-        // ½[1 − μ ln((1+μ)/μ)], largest at grazing.
-        one("Lommel–Seeliger ω=1", |wi, wo| 0.25 * FRAC_1_PI / (wi.z + wo.z)).peaks(0.5),
+        // ½[1 − μ ln((1+μ)/μ)], largest at grazing: .4945 at 89.9°.
+        one("Lommel–Seeliger ω=1", |wi, wo| 0.25 * FRAC_1_PI / (wi.z + wo.z)).peaks(0.4945),
         one("Ashikhmin–Shirley diffuse", |wi, wo| {
             let side = |c: f64| 1.0 - (1.0 - 0.5 * c).powi(5);
             28.0 / (23.0 * PI) * side(wi.z) * side(wo.z)
@@ -120,7 +120,8 @@ fn of_planets_and_cloth() {
             .cause(Cause::OneSided),
         one("Seeliger + opposition surge", |wi, wo| {
             let phase = wi.dot(wo).clamp(-1.0, 1.0).acos();
-            0.2 * FRAC_1_PI / (wi.z + wo.z) * (1.0 + 0.8 * (-phase / 0.01).exp() + (phase / FRAC_PI_2).sin().abs() * 0.1)
+            0.2 * FRAC_1_PI / (wi.z + wo.z)
+                * (1.0 + 0.8 * (-phase / 0.01).exp() + (phase / FRAC_PI_2).sin().abs() * 0.1)
         })
         .energy(Energy::Pass),
     ]);

@@ -77,10 +77,13 @@ fn terms_that_belong_together_pass() {
     }));
     cases.push(one("GGX Schlick F₀=.04 α=.2", |wi, wo| ggx_smith(0.2)(wi, wo) * schlick(wi, wo, 0.04)));
     // Known: ≤ .991.
-    cases.push(one("GGX Kelemen α=.5", |wi, wo| {
-        let h = half_vector(wi, wo);
-        ggx(h, 0.5) / h.length_squared()
-    }).energy(Energy::Grid));
+    cases.push(
+        one("GGX Kelemen α=.5", |wi, wo| {
+            let h = half_vector(wi, wo);
+            ggx(h, 0.5) / h.length_squared()
+        })
+        .energy(Energy::Grid),
+    );
     cases.push(one("GGX Kelemen α=.1", |wi, wo| {
         let h = half_vector(wi, wo);
         ggx(h, 0.1) / h.length_squared()
@@ -97,8 +100,7 @@ fn terms_that_do_not_fail() {
             .reaches(29.0)
             .cause(Cause::Unmasked),
         // The mask of smoother facets hides too little.
-        one("GGX α=.8, G of α=.1", |wi, wo| ggx(half_vector(wi, wo), 0.8) * smith(wi, wo, 0.1, 0.1))
-            .grid(),
+        one("GGX α=.8, G of α=.1", |wi, wo| ggx(half_vector(wi, wo), 0.8) * smith(wi, wo, 0.1, 0.1)).grid(),
         one("Cook–Torrance, π for 4, α=.3", |wi, wo| torrance_sparrow(0.3)(wi, wo) * 4.0 / PI)
             .energy(Energy::Fail(4.0 / PI, 0.01))
             .cause(Cause::PiForQuarter),
@@ -111,9 +113,7 @@ fn terms_that_do_not_fail() {
         .grid(),
         one("Implicit G α=.3", |wi, wo| ggx(half_vector(wi, wo), 0.3) / 4.0).grid(),
         one("Neumann G α=.3", |wi, wo| ggx(half_vector(wi, wo), 0.3) / (4.0 * wi.z.max(wo.z))).grid(),
-        one("Ashikhmin–Premože α=.3", |wi, wo| {
-            ggx(half_vector(wi, wo), 0.3) / (4.0 * (wi.z + wo.z - wi.z * wo.z))
-        })
-        .grid(),
+        one("Ashikhmin–Premože α=.3", |wi, wo| ggx(half_vector(wi, wo), 0.3) / (4.0 * (wi.z + wo.z - wi.z * wo.z)))
+            .grid(),
     ]);
 }
