@@ -1,6 +1,6 @@
 //! Our side of `benches/peers/run`: evaluates and times on request, line by line over stdin and stdout.
 //!
-//! `cargo run --release --example peers -- DIRECTIONS`, where the file holds six arrays of f32 (little-endian): wi.x, wi.y,
+//! `cargo run --release --features rayon --example peers -- DIRECTIONS`, where the file holds six arrays of f32 (little-endian): wi.x, wi.y,
 //! wi.z, wo.x, wo.y, wo.z. Each request is answered by one line of JSON:
 //!
 //! * `names`: the subjects.
@@ -21,8 +21,8 @@ use std::time::Instant;
 
 /// Pairs of directions, an array for each component.
 struct Directions {
-    wi: [Vec<f32>; 3],
-    wo: [Vec<f32>; 3],
+    wi: [Column; 3],
+    wo: [Column; 3],
 }
 
 impl Directions {
@@ -33,56 +33,49 @@ impl Directions {
         if count == 0 || !rest.is_empty() || floats.len() != 6 * count {
             return Err(format!("{path} does not hold six arrays of f32").into());
         }
-        let array = |i: usize| floats[i * count..(i + 1) * count].iter().map(|b| f32::from_le_bytes(*b)).collect();
+        let array =
+            |i: usize| Column::new(i, floats[i * count..(i + 1) * count].iter().map(|b| f32::from_le_bytes(*b)));
         Ok(Directions { wi: [array(0), array(1), array(2)], wo: [array(3), array(4), array(5)] })
     }
 
     fn count(&self) -> usize {
-        self.wi[0].len()
+        self.wi[0].numbers().len()
     }
 
     fn pair<R: Real>(&self, i: usize) -> [Vector<R>; 2] {
-        [&self.wi, &self.wo].map(|w| Vector::new(w[0][i], w[1][i], w[2][i]).cast())
+        [&self.wi, &self.wo].map(|w| Vector::new(w[0].numbers()[i], w[1].numbers()[i], w[2].numbers()[i]).cast())
     }
 }
 
-type Output = [Vec<f32>; 3];
+/// f of each channel.
+type Output = [Column; 3];
 
-/// Calls `part(wi, wo, out)` with a contiguous part of all arrays on each thread: the shape of a batch call.
-fn split(
-    directions: &Directions,
-    threads: usize,
-    out: &mut Output,
-    part: impl Fn([&[f32]; 3], [&[f32]; 3], [&mut [f32]; 3]) + Sync,
-) {
-    let count = directions.count();
-    let mut rest = out.each_mut().map(Vec::as_mut_slice);
-    let mut start = 0;
-    std::thread::scope(|scope| {
-        for thread in 0..threads {
-            let end = count * (thread + 1) / threads;
-            let [wi, wo] = [&directions.wi, &directions.wo].map(|w| w.each_ref().map(|array| &array[start..end]));
-            let (mine, others) = rest.map(|array| array.split_at_mut(end - start)).into_halves();
-            (rest, start) = (others, end);
-            let part = &part;
-            if thread + 1 == threads {
-                part(wi, wo, mine);
-            } else {
-                scope.spawn(move || part(wi, wo, mine));
-            }
-        }
-    });
+/// An array that starts some cache lines into its pages. Arrays that all start at the same place of a page cost 10 to 20 % from
+/// memory: their lines share the ways of the first cache (`brdf::batch`).
+#[derive(Default)]
+struct Column {
+    numbers: Vec<f32>,
+    start: usize,
 }
 
-/// Three pairs as a pair of threes.
-trait Halves<T> {
-    fn into_halves(self) -> ([T; 3], [T; 3]);
-}
-impl<T> Halves<T> for [(T, T); 3] {
-    fn into_halves(self) -> ([T; 3], [T; 3]) {
-        let [a, b, c] = self;
-        ([a.0, b.0, c.0], [a.1, b.1, c.1])
+impl Column {
+    fn new(index: usize, numbers: impl ExactSizeIterator<Item = f32>) -> Self {
+        const LINE: usize = 16;
+        let start = index * LINE;
+        Column { numbers: std::iter::repeat_n(0.0, start).chain(numbers).collect(), start }
     }
+    fn numbers(&self) -> &[f32] {
+        &self.numbers[self.start..]
+    }
+    fn numbers_mut(&mut self) -> &mut [f32] {
+        &mut self.numbers[self.start..]
+    }
+}
+
+/// What a subject reads, six slices of one length.
+fn slices(directions: &Directions) -> [&[f32]; 6] {
+    let [[a, b, c], [d, e, g]] = [&directions.wi, &directions.wo].map(|w| w.each_ref().map(Column::numbers));
+    [a, b, c, d, e, g]
 }
 
 // The materials. `peer.py` has the same numbers.
@@ -158,19 +151,27 @@ fn ggx(wi: Vector<f64>, wo: Vector<f64>) -> [f64; 3] {
 
 // What is timed: a function for each subject.
 
-fn planned(plan: &Plan<3>, directions: &Directions, threads: usize, out: &mut Output) {
-    split(directions, threads, out, |wi, wo, out| plan.evaluate_batch(wi, wo, out).expect("arrays of one length"));
+fn planned(plan: &Plan<3>, directions: &Directions, parallel: bool, out: &mut Output) {
+    let [a, b, c, d, e, g] = slices(directions);
+    let out = out.each_mut().map(Column::numbers_mut);
+    if parallel {
+        plan.par_evaluate_batch([a, b, c], [d, e, g], out)
+    } else {
+        plan.evaluate_batch([a, b, c], [d, e, g], out)
+    }
+    .expect("arrays of one length");
 }
 
-fn conductor_ggx(directions: &Directions, threads: usize, out: &mut Output) {
-    split(directions, threads, out, |[a, b, c], [d, e, f], out| {
-        batch::map(&Ggx(*COPPER_F), [a, b, c, d, e, f], out).expect("arrays of one length");
-    });
+fn conductor_ggx(directions: &Directions, parallel: bool, out: &mut Output) {
+    let (kernel, out) = (Ggx(*COPPER_F), out.each_mut().map(Column::numbers_mut));
+    let inputs = slices(directions);
+    if parallel { batch::par_map(&kernel, inputs, out) } else { batch::map(&kernel, inputs, out) }
+        .expect("arrays of one length");
 }
 
 struct Subject {
     name: &'static str,
-    run: fn(&Directions, usize, &mut Output),
+    run: fn(&Directions, bool, &mut Output),
     /// The exact model in f64: of a fitted subject the one that it was fitted to.
     exact: fn(Vector<f64>, Vector<f64>) -> [f64; 3],
 }
@@ -178,28 +179,28 @@ struct Subject {
 const SUBJECTS: [Subject; 6] = [
     Subject {
         name: "conductor_beckmann",
-        run: |directions, threads, out| planned(&METAL_PLAN, directions, threads, out),
+        run: |directions, parallel, out| planned(&METAL_PLAN, directions, parallel, out),
         exact: |wi, wo| METAL.evaluate(wi, wo),
     },
     Subject {
         name: "conductor_beckmann_fitted",
-        run: |directions, threads, out| planned(&METAL_FITTED, directions, threads, out),
+        run: |directions, parallel, out| planned(&METAL_FITTED, directions, parallel, out),
         exact: |wi, wo| METAL.evaluate(wi, wo),
     },
     Subject { name: "conductor_ggx", run: conductor_ggx, exact: ggx },
     Subject {
         name: "layered",
-        run: |directions, threads, out| planned(&CLEAR_PLAN, directions, threads, out),
+        run: |directions, parallel, out| planned(&CLEAR_PLAN, directions, parallel, out),
         exact: |wi, wo| CLEAR.evaluate(wi, wo),
     },
     Subject {
         name: "layered_tinted",
-        run: |directions, threads, out| planned(&TINTED_PLAN, directions, threads, out),
+        run: |directions, parallel, out| planned(&TINTED_PLAN, directions, parallel, out),
         exact: |wi, wo| STACK.evaluate(wi, wo),
     },
     Subject {
         name: "layered_tinted_fitted",
-        run: |directions, threads, out| planned(&TINTED_FITTED, directions, threads, out),
+        run: |directions, parallel, out| planned(&TINTED_FITTED, directions, parallel, out),
         exact: |wi, wo| STACK.evaluate(wi, wo),
     },
 ];
@@ -211,7 +212,7 @@ fn error(subject: &Subject, directions: &Directions, out: &Output, step: usize, 
         let [wi, wo] = directions.pair::<f64>(i);
         for (exact, out) in (subject.exact)(wi, wo).into_iter().zip(out) {
             if exact > floor {
-                errors.push((f64::from(out[i]) - exact).abs() / exact);
+                errors.push((f64::from(out.numbers()[i]) - exact).abs() / exact);
             }
         }
     }
@@ -225,6 +226,7 @@ fn answer(
     line: &str,
     directions: &Directions,
     outputs: &mut [(&'static str, Output)],
+    pools: &mut Vec<rayon::ThreadPool>,
 ) -> Result<String, Box<dyn Error>> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let [request, rest @ ..] = &words[..] else { return Err("an empty request".into()) };
@@ -238,19 +240,25 @@ fn answer(
     match (*request, &rest[1..]) {
         ("eval", [threads]) => {
             let threads = threads.parse::<usize>()?.max(1);
-            if out[0].is_empty() {
-                *out = [(); 3].map(|()| vec![0.0; directions.count()]);
+            if threads > 1 && pools.iter().all(|pool| pool.current_num_threads() != threads) {
+                pools.push(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?);
+            }
+            if out[0].numbers.is_empty() {
+                *out = [6, 7, 8].map(|index| Column::new(index, vec![0.0; directions.count()].into_iter()));
             }
             let start = Instant::now();
-            (subject.run)(directions, threads, out);
+            match pools.iter().find(|pool| threads > 1 && pool.current_num_threads() == threads) {
+                Some(pool) => pool.install(|| (subject.run)(directions, true, out)),
+                None => (subject.run)(directions, false, out),
+            }
             let seconds = start.elapsed().as_secs_f64();
             std::hint::black_box(out);
             Ok(format!(r#"{{"seconds":{seconds:e}}}"#))
         }
-        ("error" | "write", _) if out[0].is_empty() => Err("nothing was evaluated yet".into()),
+        ("error" | "write", _) if out[0].numbers.is_empty() => Err("nothing was evaluated yet".into()),
         ("error", [step, floor]) => Ok(error(subject, directions, out, step.parse()?, floor.parse()?)),
         ("write", [path]) => {
-            let bytes: Vec<u8> = out.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+            let bytes: Vec<u8> = out.iter().flat_map(Column::numbers).flat_map(|x| x.to_le_bytes()).collect();
             std::fs::write(path, bytes)?;
             Ok(format!(r#"{{"written":{}}}"#, 3 * directions.count()))
         }
@@ -262,9 +270,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).ok_or("usage: peers DIRECTIONS")?;
     let directions = Directions::read(&path)?;
     let mut outputs = SUBJECTS.map(|subject| (subject.name, Output::default()));
+    let mut pools = Vec::new();
     let mut stdout = std::io::stdout().lock();
     for line in std::io::stdin().lock().lines() {
-        let reply = match answer(&line?, &directions, &mut outputs) {
+        let reply = match answer(&line?, &directions, &mut outputs, &mut pools) {
             Ok(reply) => reply,
             Err(problem) => format!(r#"{{"error":{:?}}}"#, problem.to_string()),
         };

@@ -19,6 +19,11 @@
 //!
 //! That of f32 throughout, term by term in `docs/accuracy.md`, column *batch*. With and without fused multiply-adds results
 //! differ in their last bits: for the same bits on every machine fix the [`Level`].
+//!
+//! # Layout
+//!
+//! Slices that all start at the same place of a page of memory, as large allocations do, share the ways of the first cache: such
+//! arrays cost 10 to 20 % from memory. Start each a cache line (16 numbers) further into its allocation than the one before.
 
 mod dispatch;
 pub(crate) mod lanes;

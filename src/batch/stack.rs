@@ -5,13 +5,16 @@ use super::lanes::{Lanes, load_part, store_part};
 use super::{LengthError, check_lengths};
 use crate::frame::Vector;
 use crate::layered::Model;
-use crate::plan::chain::{Chain, Stage, with_surface, with_way};
+use crate::plan::chain::{
+    Chain, Conserve, Reflect, Rough, Stage, Steps, Surface, Way, with_metal, with_surface, with_way,
+};
 use crate::plan::stage::Ray;
 use crate::plan::{Chains, Plan};
 use crate::real::Mask;
 
-/// Vectors of a block: 14 numbers of each, three channels, fill less than half of a first-level cache.
-const BLOCK: usize = 16;
+/// Vectors of a block: 16 numbers of each, three channels, fill a quarter of a first-level cache. Twice as many take 2 % less from
+/// caches and 20 % more from memory, which waits while a block is computed.
+const BLOCK: usize = 8;
 
 impl<const C: usize> Plan<C> {
     /// The BRDF in sr⁻¹ of many pairs of local unit directions, on the calling thread and without allocating: components of the
@@ -75,7 +78,9 @@ impl<const C: usize> Plan<C> {
         let ([a, b, c], [d, e, g]) = (wi, wo);
         let count = check_lengths(&[a, b, c, d, e, g], &f)?;
         let level = Level::detect();
-        super::halve(count, [a, b, c, d, e, g], f, &|[a, b, c, d, e, g], f| self.run(level, [a, b, c], [d, e, g], f));
+        super::halve(count, [a, b, c, d, e, g], f, &|[a, b, c, d, e, g], f| {
+            self.run(level, [a, b, c], [d, e, g], f);
+        });
         Ok(())
     }
 
@@ -140,54 +145,97 @@ fn pair<L: Lanes>(wi: [&[f32]; 3], wo: impl Viewers, start: usize, end: usize) -
     (wi.load(start, end - start), wo.load(start, end - start))
 }
 
-/// Puts f of a vector of evaluations in its place.
-#[inline(always)]
-fn put<L: Lanes, const K: usize>(f: &mut [&mut [f32]; K], start: usize, values: [L; K]) {
-    for channel in 0..K {
-        let room = &mut f[channel][start..];
-        if room.len() >= L::COUNT {
-            values[channel].store(room);
-        } else {
-            store_part(values[channel], room);
-        }
-    }
-}
-
 // Loops over indices and no closures: what runs over vectors must be inlined whole. Constants are copied out of the plan, or each
 // store to f would have them loaded again.
 impl<V: Viewers, const K: usize> Work for Run<'_, V, K> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Run { chain, wi, wo, mut f } = self;
+        let Run { chain, wi, wo, f } = self;
         let count = wi[0].len();
         // All of one length, which the compiler can then tell.
         let (wi, wo) = ([&wi[0][..count], &wi[1][..count], &wi[2][..count]], wo.cut(count));
+        let mut slices = Slices { wi, wo, f };
         for channel in 0..K {
-            f[channel] = &mut core::mem::take(&mut f[channel])[..count];
+            slices.f[channel] = &mut core::mem::take(&mut slices.f[channel])[..count];
         }
         let mut done = 0;
-        if let [Stage::Reflect { lobe, surface }] = chain.stages.as_slice() {
-            // One interface: nothing to keep between stages. What does not fill a vector is left to the block.
-            with_surface!(surface, fresnel => {
-                let (lobe, fresnel) = (*lobe, *fresnel);
-                while done + L::COUNT <= count {
-                    let (wi, wo) = pair(wi, wo, done, done + L::COUNT);
-                    let mut ray = Ray::<L, K>::new(wi, wo);
-                    lobe.reflect(&mut ray, &fresnel);
-                    for channel in 0..K {
-                        ray.f[channel].store(&mut f[channel][done..]);
+        // What most materials are: one interface, or a coat of one index over a base.
+        match chain.stages.as_slice() {
+            [Stage::Reflect { lobe, surface }] => with_surface!(surface, fresnel => {
+                slices.through::<L>(&mut done, Reflect { lobe: *lobe, fresnel: *fresnel });
+            }),
+            [
+                Stage::Reflect { lobe, surface: Surface::Dielectric(reflected) },
+                Stage::Pass { passage, way: Way::Dielectric(passed), model: Model::Conserving },
+                below @ ..,
+            ] => {
+                let coat =
+                    (Reflect { lobe: *lobe, fresnel: *reflected }, Conserve { passage: *passage, fresnel: *passed });
+                match below {
+                    [Stage::Absorb(medium), Stage::Reflect { lobe, surface }] => with_metal!(surface, fresnel => {
+                        slices.through::<L>(&mut done, ((coat, *medium), Reflect { lobe: *lobe, fresnel: *fresnel }));
+                    }),
+                    [Stage::Reflect { lobe, surface }] => with_metal!(surface, fresnel => {
+                        slices.through::<L>(&mut done, (coat, Reflect { lobe: *lobe, fresnel: *fresnel }));
+                    }),
+                    [Stage::Absorb(medium), Stage::Lambert(base)] => {
+                        slices.through::<L>(&mut done, ((coat, *medium), *base));
                     }
-                    done += L::COUNT;
+                    [Stage::Lambert(base)] => slices.through::<L>(&mut done, (coat, *base)),
+                    [Stage::Absorb(medium), Stage::OrenNayar { base, about_half: false }] => {
+                        slices.through::<L>(&mut done, ((coat, *medium), Rough(*base)));
+                    }
+                    [Stage::OrenNayar { base, about_half: false }] => {
+                        slices.through::<L>(&mut done, (coat, Rough(*base)));
+                    }
+                    _ => {}
                 }
-            });
+            }
+            _ => {}
         }
+        // What does not fill a vector, and every other stack.
         let mut rays = [Ray::<L, K>::dark(); BLOCK];
         for start in (done..count).step_by(BLOCK * L::COUNT) {
             let end = count.min(start + BLOCK * L::COUNT);
             let vectors = (end - start).div_ceil(L::COUNT);
             block(chain, wi, wo, &mut rays[..vectors], start, end);
             for i in 0..vectors {
-                put(&mut f, start + i * L::COUNT, rays[i].f);
+                slices.put(start + i * L::COUNT, rays[i].f);
+            }
+        }
+    }
+}
+
+/// Directions in, f out.
+struct Slices<'a, V, const K: usize> {
+    wi: [&'a [f32]; 3],
+    wo: V,
+    f: [&'a mut [f32]; K],
+}
+
+impl<V: Viewers, const K: usize> Slices<'_, V, K> {
+    /// Takes whole vectors from `done` on through steps that are one loop.
+    #[inline(always)]
+    fn through<L: Lanes>(&mut self, done: &mut usize, steps: impl Steps<K>) {
+        let count = self.wi[0].len();
+        while *done + L::COUNT <= count {
+            let (wi, wo) = pair::<L>(self.wi, self.wo, *done, *done + L::COUNT);
+            let mut ray = Ray::<L, K>::new(wi, wo);
+            steps.take(&mut ray, wi, wo);
+            self.put(*done, ray.f);
+            *done += L::COUNT;
+        }
+    }
+
+    /// Puts f of a vector of evaluations in its place.
+    #[inline(always)]
+    fn put<L: Lanes>(&mut self, start: usize, values: [L; K]) {
+        for channel in 0..K {
+            let room = &mut self.f[channel][start..];
+            if room.len() >= L::COUNT {
+                values[channel].store(room);
+            } else {
+                store_part(values[channel], room);
             }
         }
     }

@@ -1,6 +1,8 @@
 //! Stages in a row, and one evaluation through them.
 
-use super::interface::{AnyConductor, AnyDielectric, Conductor, Dielectric, Each, Fitted, Grey, Metal};
+use super::interface::{
+    AnyConductor, AnyDielectric, Conductor, Dielectric, Each, Fitted, Grey, Metal, Reflects, Transmits,
+};
 use super::stage::{Absorption, Base, Lobe, Passage, Ray};
 use crate::frame::Vector;
 use crate::layered::Model;
@@ -42,6 +44,74 @@ pub(crate) enum Stage<const K: usize> {
     OrenNayar { base: Base<K>, about_half: bool },
 }
 
+/// What an interface reflects, its Fresnel term of one form.
+#[derive(Clone, Copy)]
+pub(crate) struct Reflect<F> {
+    pub(crate) lobe: Lobe,
+    pub(crate) fresnel: F,
+}
+
+/// The energy-conserving way through an interface, its Fresnel term of one form.
+#[derive(Clone, Copy)]
+pub(crate) struct Conserve<F> {
+    pub(crate) passage: Passage,
+    pub(crate) fresnel: F,
+}
+
+/// Oren and Nayar's base, refracted to about the macro normal.
+#[derive(Clone, Copy)]
+pub(crate) struct Rough<const K: usize>(pub(crate) Base<K>);
+
+/// Steps whose types are known when they are compiled, so that they stay in registers from one to the next.
+pub(crate) trait Steps<const K: usize>: Copy {
+    /// Takes one evaluation through all of them. `wi` and `wo` are its directions above the stack.
+    fn take<W: Real<Wide = W>>(&self, ray: &mut Ray<W, K>, wi: Vector<W>, wo: Vector<W>);
+}
+
+impl<F: Reflects<K> + Copy, const K: usize> Steps<K> for Reflect<F> {
+    #[inline(always)]
+    fn take<W: Real<Wide = W>>(&self, ray: &mut Ray<W, K>, _: Vector<W>, _: Vector<W>) {
+        self.lobe.reflect(ray, &self.fresnel);
+    }
+}
+
+impl<F: Transmits<K> + Copy, const K: usize> Steps<K> for Conserve<F> {
+    #[inline(always)]
+    fn take<W: Real<Wide = W>>(&self, ray: &mut Ray<W, K>, wi: Vector<W>, wo: Vector<W>) {
+        self.passage.conserve(ray, (wi.z, wo.z), &self.fresnel);
+    }
+}
+
+impl<const K: usize> Steps<K> for Absorption<K> {
+    #[inline(always)]
+    fn take<W: Real<Wide = W>>(&self, ray: &mut Ray<W, K>, _: Vector<W>, _: Vector<W>) {
+        self.absorb(ray);
+    }
+}
+
+/// Lambert's base.
+impl<const K: usize> Steps<K> for Base<K> {
+    #[inline(always)]
+    fn take<W: Real<Wide = W>>(&self, ray: &mut Ray<W, K>, _: Vector<W>, _: Vector<W>) {
+        self.lambert(ray);
+    }
+}
+
+impl<const K: usize> Steps<K> for Rough<K> {
+    #[inline(always)]
+    fn take<W: Real<Wide = W>>(&self, ray: &mut Ray<W, K>, wi: Vector<W>, wo: Vector<W>) {
+        self.0.oren_nayar(ray, wi, wo, false);
+    }
+}
+
+impl<A: Steps<K>, B: Steps<K>, const K: usize> Steps<K> for (A, B) {
+    #[inline(always)]
+    fn take<W: Real<Wide = W>>(&self, ray: &mut Ray<W, K>, wi: Vector<W>, wo: Vector<W>) {
+        self.0.take(ray, wi, wo);
+        self.1.take(ray, wi, wo);
+    }
+}
+
 /// Calls a closure-like body with the surface's own type.
 macro_rules! with_surface {
     ($surface:expr, $fresnel:ident => $body:expr) => {
@@ -58,6 +128,19 @@ macro_rules! with_surface {
         }
     };
 }
+/// Calls a closure-like body with the surface's own type if it is a form that metals take, and nothing if not.
+macro_rules! with_metal {
+    ($surface:expr, $fresnel:ident => $body:expr) => {
+        match $surface {
+            $crate::plan::chain::Surface::GreyMetal($fresnel) => $body,
+            $crate::plan::chain::Surface::Metals($fresnel) => $body,
+            $crate::plan::chain::Surface::Fit8($fresnel) => $body,
+            $crate::plan::chain::Surface::Fit10($fresnel) => $body,
+            $crate::plan::chain::Surface::Fit12($fresnel) => $body,
+            _ => {}
+        }
+    };
+}
 /// Calls a closure-like body with the way's own type.
 macro_rules! with_way {
     ($way:expr, $fresnel:ident => $body:expr) => {
@@ -71,7 +154,7 @@ macro_rules! with_way {
         }
     };
 }
-pub(crate) use {with_surface, with_way};
+pub(crate) use {with_metal, with_surface, with_way};
 
 impl<const K: usize> Stage<K> {
     /// Takes one evaluation a step further. `wi` and `wo` are its directions above the stack.

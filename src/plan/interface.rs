@@ -208,14 +208,14 @@ impl Metal {
         indices(2.0 * self.half_real, self.product, n_above * n_above)
     }
 
-    /// F as a fraction. With L = (|w| − Re w)/2 and x = 2NK·c·√L: Fs = (B − x)/(B + x), B = c²L + L² + N²K², and Fq the same of
+    /// F as a fraction. With L = (|w| − Re w)/2 and x = 2NK·√(c²L): Fs = (B − x)/(B + x), B = c²L + L² + N²K², and Fq the same of
     /// c²(L² + N²K²) + (A²−c²)²L and (A²−c²)x.
     #[inline(always)]
-    fn fraction<W: Real<Wide = W>>(&self, half_squared: W, half: W, rest: W) -> (W, W) {
+    fn fraction<W: Real<Wide = W>>(&self, half_squared: W, rest: W) -> (W, W) {
         let real = W::HALF.mul_add(half_squared, W::from_f64(self.half_real));
         let product_squared = W::from_f64(self.product * self.product);
         let larger = real.mul_add(real, product_squared).sqrt() - real;
-        let cross = (W::from_f64(2.0 * self.product) * half) * larger.sqrt();
+        let cross = W::from_f64(2.0 * self.product) * (half_squared * larger).sqrt();
         let squares = larger.mul_add(larger, product_squared);
         let mean_s = larger.mul_add(half_squared, squares);
         let mean_q = squares.mul_add(half_squared, larger * (rest * rest));
@@ -233,17 +233,17 @@ pub(crate) struct Each<T, const K: usize>(pub(crate) [T; K]);
 
 impl<const K: usize> Reflects<K> for Grey<Metal> {
     #[inline(always)]
-    fn reflectance<W: Real<Wide = W>>(&self, half_squared: W, half: W, rest: W) -> [(W, W); K] {
-        [self.0.fraction(half_squared, half, rest); K]
+    fn reflectance<W: Real<Wide = W>>(&self, half_squared: W, _: W, rest: W) -> [(W, W); K] {
+        [self.0.fraction(half_squared, rest); K]
     }
 }
 
 impl<const K: usize> Reflects<K> for Each<Metal, K> {
     #[inline(always)]
-    fn reflectance<W: Real<Wide = W>>(&self, half_squared: W, half: W, rest: W) -> [(W, W); K] {
+    fn reflectance<W: Real<Wide = W>>(&self, half_squared: W, _: W, rest: W) -> [(W, W); K] {
         let mut all = [(W::ZERO, W::ONE); K];
         for channel in 0..K {
-            all[channel] = self.0[channel].fraction(half_squared, half, rest);
+            all[channel] = self.0[channel].fraction(half_squared, rest);
         }
         all
     }

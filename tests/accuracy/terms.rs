@@ -367,11 +367,11 @@ pub(crate) fn terms() -> Vec<Term> {
         |a| layered::internal_reflection(a[0], a[1]), naive |a| 1.0 - a[1] + a[1] * a[0]);
     term!(t, layered::conserving [""], "two layers: cos [1e-6, 1], coat n [1.1, 2.5], σd to 10, base n [.02, 8], κ [0, 12], both α [1e-3, 1]; f > 1e-8",
         stack_inputs, |a| { let [f] = layered::conserving(&stack(a), vector(a), vector(&a[3..])); f },
-        target 12.0, least 1e-8, batch 64.0);
+        target 12.0, least 1e-8, batch 40.0);
     plan_last(&mut t, |level, a, f| planned(Model::Conserving, level, a, f), |a| steady(a[10] / a[6], a[11] / a[6]));
     term!(t, layered::elek [""], "the same",
         stack_inputs, |a| { let [f] = layered::elek(&stack(a), vector(a), vector(&a[3..])); f },
-        target 12.0, least 1e-8, batch 64.0);
+        target 12.0, least 1e-8, batch 40.0);
     plan_last(&mut t, |level, a, f| planned(Model::Elek, level, a, f), |a| steady(a[10], a[11]));
     term!(t, layered::weidlich_wilkie [""], "the same",
         stack_inputs, |a| { let [f] = layered::weidlich_wilkie(&stack(a), vector(a), vector(&a[3..])); f },
