@@ -385,17 +385,21 @@ impl<T: AccuracyTable> Real for Interval<T> {
             Self::rounded(low, high, 3.5)
         })
     }
-    /// The hull of the values in every cell that the position may be in.
-    fn piecewise<const C: usize>(self, cells: usize, value: impl Fn(usize, Self) -> [Self; C]) -> [Self; C] {
-        let cell = |end: f64| (end as usize).min(cells - 1);
-        let at = |cell: usize| value(cell, (self - Self::from_f64(cell as f64)).saturate());
-        let (first, last) = (cell(self.low), cell(self.high));
-        (first + 1..=last).fold(at(first), |mut hull, cell| {
-            for (hull, value) in hull.iter_mut().zip(at(cell)) {
-                *hull = hull.hull(value);
-            }
-            hull
+    fn linear<const C: usize>(self, cells: usize, ends: impl Fn(usize) -> [[f64; 2]; C]) -> [Self; C] {
+        piecewise(self, cells, |cell, share| {
+            ends(cell).map(|ends| {
+                let [a, b] = ends.map(Self::from_f64);
+                a + (b - a) * share
+            })
         })
+    }
+    fn bilinear([x, y]: [Self; 2], cells: [usize; 2], node: impl Fn(usize, usize) -> f64) -> Self {
+        let [value] = piecewise(y, cells[1], |j, share| {
+            let [low, high] =
+                x.linear(cells[0], |i| [[node(i, j), node(i + 1, j)], [node(i, j + 1), node(i + 1, j + 1)]]);
+            [low + (high - low) * share]
+        });
+        value
     }
     fn product_wide(a: Self, b: Self) -> (Self, Self) {
         a.product_exact(b)
@@ -408,6 +412,23 @@ impl<T: AccuracyTable> Real for Interval<T> {
     fn erfcx_wide(x: Self) -> Self {
         x.monotonic(14.0, |x| Real::erfcx(x.max(0.0)))
     }
+}
+
+/// The hull of a function that is another one in each cell of width 1, over every cell that the position may be in.
+fn piecewise<T: AccuracyTable, const C: usize>(
+    x: Interval<T>,
+    cells: usize,
+    value: impl Fn(usize, Interval<T>) -> [Interval<T>; C],
+) -> [Interval<T>; C] {
+    let cell = |end: f64| (end as usize).min(cells - 1);
+    let at = |cell: usize| value(cell, (x - Interval::from_f64(cell as f64)).saturate());
+    let (first, last) = (cell(x.low), cell(x.high));
+    (first + 1..=last).fold(at(first), |mut hull, cell| {
+        for (hull, value) in hull.iter_mut().zip(at(cell)) {
+            *hull = hull.hull(value);
+        }
+        hull
+    })
 }
 
 #[cfg(test)]

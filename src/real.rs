@@ -189,13 +189,26 @@ pub trait Real:
         let u = (self - Self::from_f64(left as f64)).saturate();
         core::array::from_fn(|c| Self::from_f64(a[c]) * (Self::ONE - u) + Self::from_f64(b[c]) * u)
     }
-    /// A function that is another one in each of `cells` ≥ 1 cells of width 1, at this position: `value` of the cell that it is in, or
-    /// the nearest to it, and its fraction of that.
+    /// What is linear in each of `cells` ≥ 1 cells of width 1, at this position, clamped to them: `ends` of a cell are its values there.
     #[doc(hidden)]
     #[inline(always)]
-    fn piecewise<const C: usize>(self, cells: usize, value: impl Fn(usize, Self) -> [Self; C]) -> [Self; C] {
+    fn linear<const C: usize>(self, cells: usize, ends: impl Fn(usize) -> [[f64; 2]; C]) -> [Self; C] {
         let cell = (self.to_f64() as usize).min(cells - 1);
-        value(cell, (self - Self::from_f64(cell as f64)).saturate())
+        let share = (self - Self::from_f64(cell as f64)).saturate();
+        ends(cell).map(|ends| {
+            let [a, b] = ends.map(Self::from_f64);
+            a + (b - a) * share
+        })
+    }
+    /// What is linear along both sides of each cell of a grid of `cells` columns and rows, at a column and a row; `node` is its value
+    /// at a corner.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn bilinear([x, y]: [Self; 2], cells: [usize; 2], node: impl Fn(usize, usize) -> f64) -> Self {
+        let row = (y.to_f64() as usize).min(cells[1] - 1);
+        let [low, high] =
+            x.linear(cells[0], |i| [[node(i, row), node(i + 1, row)], [node(i, row + 1), node(i + 1, row + 1)]]);
+        low + (high - low) * (y - Self::from_f64(row as f64)).saturate()
     }
     /// [`Real::product_exact`] of two wide numbers, so far as this type can tell: in `f32` the double-precision product alone.
     #[doc(hidden)]

@@ -1,6 +1,7 @@
 //! The batch path against the scalar one: every kernel, at every level of this processor, over every length of a remainder.
 
 use brdf::batch::{self, Kernel, LengthError, Level, terms};
+use brdf::table::{DistributionTable, ENTRIES, FresnelTable, Mapping};
 use brdf::{Vector, distribution, fresnel, masking, microfacet, phong, refraction};
 
 /// Numbers that cover what kernels take: cosines and components of directions, with the ends.
@@ -26,6 +27,13 @@ fn every_kernel(check: &impl Check) {
     check.check("Lazanyi", terms::Lazanyi { n, k, a: 1.5, exponent: 6.0 });
     check.check("F82Tint", terms::F82Tint { f0: 0.6, tint: 0.7 });
     check.check("Fit", fresnel::Fit::<3, 8>::new([0.2, 1.0, 1.2], [4.0, 2.6, 2.4]).expect("copper is smooth"));
+    let (n3, k3) = ([0.2, 1.0, 1.2], [4.0, 2.6, 2.4]);
+    for mapping in [Mapping::Angle, Mapping::Root] {
+        let table = FresnelTable::<3, u8>::new(n3, k3, ENTRIES, mapping).expect("within the ranges");
+        check.check(&format!("FresnelTable over {mapping:?}"), table);
+        let table = DistributionTable::<f32>::new(32, 32, 2e-3, mapping).expect("within the ranges");
+        check.check(&format!("DistributionTable over {mapping:?}"), table);
+    }
     check.check("Beckmann", terms::Beckmann { alpha });
     check.check("BeckmannAnisotropic", terms::BeckmannAnisotropic { alpha_x, alpha_y });
     check.check("Ggx", terms::Ggx { alpha });

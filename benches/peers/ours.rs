@@ -1,6 +1,6 @@
 //! Our side of `benches/peers/run`: evaluates and times on request, line by line over stdin and stdout.
 //!
-//! `cargo run --release --features rayon --example peers -- DIRECTIONS`, where the file holds six arrays of f32 (little-endian): wi.x, wi.y,
+//! `cargo run --release --features rayon --example peers -- DIRECTIONS [LEVEL]`, where the file holds six arrays of f32 (little-endian): wi.x, wi.y,
 //! wi.z, wo.x, wo.y, wo.z. Each request is answered by one line of JSON:
 //!
 //! * `names`: the subjects.
@@ -8,7 +8,7 @@
 //! * `error NAME STEP FLOOR`: the relative errors of the last `eval NAME` against f64 at every STEP-th pair where f > FLOOR.
 //! * `write NAME PATH`: the last result as three arrays of f32.
 
-use brdf::batch::{self, Kernel};
+use brdf::batch::{self, Kernel, Level};
 use brdf::layered::{Interface, Layer, Medium, Model, Stack};
 use brdf::material::metal;
 use brdf::microfacet::cos_half;
@@ -151,27 +151,36 @@ fn ggx(wi: Vector<f64>, wo: Vector<f64>) -> [f64; 3] {
 
 // What is timed: a function for each subject.
 
-fn planned(plan: &Plan<3>, directions: &Directions, parallel: bool, out: &mut Output) {
+/// On the calling thread, or on those of the current pool, which take the fastest level.
+#[derive(Clone, Copy)]
+enum Way {
+    Alone(Level),
+    Parallel,
+}
+
+fn planned(plan: &Plan<3>, directions: &Directions, way: Way, out: &mut Output) {
     let [a, b, c, d, e, g] = slices(directions);
     let out = out.each_mut().map(Column::numbers_mut);
-    if parallel {
-        plan.par_evaluate_batch([a, b, c], [d, e, g], out)
-    } else {
-        plan.evaluate_batch([a, b, c], [d, e, g], out)
+    match way {
+        Way::Alone(level) => plan.evaluate_batch_at(level, [a, b, c], [d, e, g], out),
+        Way::Parallel => plan.par_evaluate_batch([a, b, c], [d, e, g], out),
     }
     .expect("arrays of one length");
 }
 
-fn conductor_ggx(directions: &Directions, parallel: bool, out: &mut Output) {
+fn conductor_ggx(directions: &Directions, way: Way, out: &mut Output) {
     let (kernel, out) = (Ggx(*COPPER_F), out.each_mut().map(Column::numbers_mut));
     let inputs = slices(directions);
-    if parallel { batch::par_map(&kernel, inputs, out) } else { batch::map(&kernel, inputs, out) }
-        .expect("arrays of one length");
+    match way {
+        Way::Alone(level) => batch::map_at(level, &kernel, inputs, out),
+        Way::Parallel => batch::par_map(&kernel, inputs, out),
+    }
+    .expect("arrays of one length");
 }
 
 struct Subject {
     name: &'static str,
-    run: fn(&Directions, bool, &mut Output),
+    run: fn(&Directions, Way, &mut Output),
     /// The exact model in f64: of a fitted subject the one that it was fitted to.
     exact: fn(Vector<f64>, Vector<f64>) -> [f64; 3],
 }
@@ -179,28 +188,28 @@ struct Subject {
 const SUBJECTS: [Subject; 6] = [
     Subject {
         name: "conductor_beckmann",
-        run: |directions, parallel, out| planned(&METAL_PLAN, directions, parallel, out),
+        run: |directions, way, out| planned(&METAL_PLAN, directions, way, out),
         exact: |wi, wo| METAL.evaluate(wi, wo),
     },
     Subject {
         name: "conductor_beckmann_fitted",
-        run: |directions, parallel, out| planned(&METAL_FITTED, directions, parallel, out),
+        run: |directions, way, out| planned(&METAL_FITTED, directions, way, out),
         exact: |wi, wo| METAL.evaluate(wi, wo),
     },
     Subject { name: "conductor_ggx", run: conductor_ggx, exact: ggx },
     Subject {
         name: "layered",
-        run: |directions, parallel, out| planned(&CLEAR_PLAN, directions, parallel, out),
+        run: |directions, way, out| planned(&CLEAR_PLAN, directions, way, out),
         exact: |wi, wo| CLEAR.evaluate(wi, wo),
     },
     Subject {
         name: "layered_tinted",
-        run: |directions, parallel, out| planned(&TINTED_PLAN, directions, parallel, out),
+        run: |directions, way, out| planned(&TINTED_PLAN, directions, way, out),
         exact: |wi, wo| STACK.evaluate(wi, wo),
     },
     Subject {
         name: "layered_tinted_fitted",
-        run: |directions, parallel, out| planned(&TINTED_FITTED, directions, parallel, out),
+        run: |directions, way, out| planned(&TINTED_FITTED, directions, way, out),
         exact: |wi, wo| STACK.evaluate(wi, wo),
     },
 ];
@@ -227,6 +236,7 @@ fn answer(
     directions: &Directions,
     outputs: &mut [(&'static str, Output)],
     pools: &mut Vec<rayon::ThreadPool>,
+    level: Level,
 ) -> Result<String, Box<dyn Error>> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let [request, rest @ ..] = &words[..] else { return Err("an empty request".into()) };
@@ -248,8 +258,8 @@ fn answer(
             }
             let start = Instant::now();
             match pools.iter().find(|pool| threads > 1 && pool.current_num_threads() == threads) {
-                Some(pool) => pool.install(|| (subject.run)(directions, true, out)),
-                None => (subject.run)(directions, false, out),
+                Some(pool) => pool.install(|| (subject.run)(directions, Way::Parallel, out)),
+                None => (subject.run)(directions, Way::Alone(level), out),
             }
             let seconds = start.elapsed().as_secs_f64();
             std::hint::black_box(out);
@@ -267,13 +277,20 @@ fn answer(
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let path = std::env::args().nth(1).ok_or("usage: peers DIRECTIONS")?;
+    let mut arguments = std::env::args().skip(1);
+    let path = arguments.next().ok_or("usage: peers DIRECTIONS [LEVEL]")?;
+    let level = match arguments.next() {
+        Some(name) => {
+            Level::available().find(|level| level.name() == name).ok_or("this processor has no such level")?
+        }
+        None => Level::detect(),
+    };
     let directions = Directions::read(&path)?;
     let mut outputs = SUBJECTS.map(|subject| (subject.name, Output::default()));
     let mut pools = Vec::new();
     let mut stdout = std::io::stdout().lock();
     for line in std::io::stdin().lock().lines() {
-        let reply = match answer(&line?, &directions, &mut outputs, &mut pools) {
+        let reply = match answer(&line?, &directions, &mut outputs, &mut pools, level) {
             Ok(reply) => reply,
             Err(problem) => format!(r#"{{"error":{:?}}}"#, problem.to_string()),
         };

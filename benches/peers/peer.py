@@ -1,6 +1,7 @@
 """Times brdf and Mitsuba 3 side by side on the same directions. `benches/peers/run` sets it up and starts it."""
 
 import argparse
+import ctypes
 import json
 import math
 import os
@@ -54,9 +55,9 @@ def directions(count):
 class Ours:
     """The process of ours.rs."""
 
-    def __init__(self, program, path):
+    def __init__(self, program, path, avx2):
         self.process = subprocess.Popen(
-            [program, path], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1
+            [program, path] + ["avx2"] * avx2, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1
         )
 
     def ask(self, *words):
@@ -81,14 +82,26 @@ class Ours:
         self.process.wait()
 
 
+def without_avx512(drjit):
+    """Has Dr.Jit compile for this processor as if it had no AVX-512. Its Python module does not offer that, its library does."""
+    core = ctypes.CDLL(str(next(pathlib.Path(drjit.__file__).parent.glob("libdrjit-core.*"))))
+    cpu, features = core["_Z19jit_llvm_target_cpuv"], core["_Z24jit_llvm_target_featuresv"]
+    cpu.restype = features.restype = ctypes.c_char_p
+    kept = [feature for feature in features().decode().split(",") if "avx512" not in feature]
+    removed = ["-avx512f", "-avx512vl", "-avx512bw", "-avx512dq"]
+    core["_Z19jit_llvm_set_targetPKcS0_j"](cpu(), ",".join(kept + removed).encode(), 8)
+
+
 class Mitsuba:
     """Mitsuba's BSDFs, compiled by LLVM."""
 
-    def __init__(self, rows):
+    def __init__(self, rows, avx2):
         import drjit
         import mitsuba
 
         mitsuba.set_variant("llvm_ad_rgb")
+        if avx2:
+            without_avx512(drjit)
         self.dr, self.mi, self.rows, self.threads = drjit, mitsuba, rows, None
         # Arrays in memory: Dr.Jit cannot fold what it has not seen.
         arrays = [mitsuba.Float(row) for row in rows]
@@ -199,6 +212,7 @@ def main():
     parser.add_argument("--pairs", type=int, default=1 << 22, help="pairs of directions (4194304)")
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     parser.add_argument("--threads", type=int, default=cores, help="the most threads; 1, 2, 4, … are taken (all cores)")
+    parser.add_argument("--avx2", action="store_true", help="both sides without AVX-512, on one thread")
     parser.add_argument("--pause", type=float, default=0.05, help="seconds between turns (.05)")
     parser.add_argument("--program", required=True, help=argparse.SUPPRESS)
     parser.add_argument("--folder", required=True, help=argparse.SUPPRESS)
@@ -210,8 +224,8 @@ def main():
     rows = directions(arguments.pairs)
     path = pathlib.Path(arguments.folder) / "directions.f32"
     path.write_bytes(rows.tobytes())
-    sides = {"ours": Ours(arguments.program, path), "theirs": Mitsuba(rows)}
-    threads = thread_counts(arguments.threads)
+    sides = {"ours": Ours(arguments.program, path, arguments.avx2), "theirs": Mitsuba(rows, arguments.avx2)}
+    threads = [1] if arguments.avx2 else thread_counts(arguments.threads)
     times = measure(sides, threads, arguments.rounds, arguments.calls, arguments.pause)
     times = {key: np.array(samples) for key, samples in times.items()}
     rates = {key: arguments.pairs / np.median(samples) / 1e6 for key, samples in times.items()}
@@ -221,6 +235,8 @@ def main():
 
     mitsuba = sides["theirs"].mi.__version__
     print(f"brdf and Mitsuba {mitsuba} (llvm_ad_rgb), {arguments.pairs} pairs of directions, RGB, f32, into memory.")
+    if arguments.avx2:
+        print("Both without AVX-512.")
     print(f"Medians of {arguments.rounds} rounds of {arguments.calls} calls, all taking turns. Mega-evaluations per second")
     print("(three channels are one evaluation) by threads, quartiles behind; relative errors against each side's own")
     print(f"model in f64 where f > {FLOOR:g}.\n")

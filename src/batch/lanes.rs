@@ -386,6 +386,62 @@ impl<T: Register> Real for Vectored<T> {
         }
         (Self::load(&cosines), Self::load(&sines))
     }
+    // Each lane has its own cell: the ends are looked up one by one, and the rest is done at once.
+    #[inline(always)]
+    fn interpolate<const C: usize>(self, nodes: &[[f64; C]]) -> [Self; C] {
+        if nodes.is_empty() {
+            return [Self::ZERO; C];
+        }
+        self.linear(nodes.len().max(2) - 1, |left| {
+            let (a, b) = (nodes[left], nodes[(left + 1).min(nodes.len() - 1)]);
+            let mut ends = [[0.0; 2]; C];
+            for channel in 0..C {
+                ends[channel] = [a[channel], b[channel]];
+            }
+            ends
+        })
+    }
+    #[inline(always)]
+    fn linear<const C: usize>(self, cells: usize, ends: impl Fn(usize) -> [[f64; 2]; C]) -> [Self; C] {
+        let mut numbers = [0.0; WIDEST];
+        let (mut low, mut high) = ([[0.0; WIDEST]; C], [[0.0; WIDEST]; C]);
+        self.store(&mut numbers);
+        for lane in 0..T::COUNT {
+            let cell = (numbers[lane] as usize).min(cells - 1);
+            let ends = ends(cell);
+            numbers[lane] = cell as f32;
+            for channel in 0..C {
+                (low[channel][lane], high[channel][lane]) = (ends[channel][0] as f32, ends[channel][1] as f32);
+            }
+        }
+        let share = (self - Self::load(&numbers)).saturate();
+        let mut values = [Self::ZERO; C];
+        for channel in 0..C {
+            let a = Self::load(&low[channel]);
+            values[channel] = a + (Self::load(&high[channel]) - a) * share;
+        }
+        values
+    }
+    #[inline(always)]
+    fn bilinear([x, y]: [Self; 2], cells: [usize; 2], node: impl Fn(usize, usize) -> f64) -> Self {
+        let (mut columns, mut rows) = ([0.0; WIDEST], [0.0; WIDEST]);
+        let mut corners = [[0.0; WIDEST]; 4];
+        x.store(&mut columns);
+        y.store(&mut rows);
+        for lane in 0..T::COUNT {
+            let (i, j) = ((columns[lane] as usize).min(cells[0] - 1), (rows[lane] as usize).min(cells[1] - 1));
+            (columns[lane], rows[lane]) = (i as f32, j as f32);
+            for corner in 0..4 {
+                corners[corner][lane] = node(i + corner % 2, j + corner / 2) as f32;
+            }
+        }
+        let across = (x - Self::load(&columns)).saturate();
+        let a = Self::load(&corners[0]);
+        let low = a + (Self::load(&corners[1]) - a) * across;
+        let c = Self::load(&corners[2]);
+        let high = c + (Self::load(&corners[3]) - c) * across;
+        low + (high - low) * (y - Self::load(&rows)).saturate()
+    }
     #[inline(always)]
     fn product_wide(a: Self, b: Self) -> (Self, Self) {
         a.product_exact(b)

@@ -2,11 +2,12 @@
 //!
 //! Slices come in the order of the term's arguments, a vector as its x, y and z; results in the order of the lists below.
 //! Domains, units and conventions are those of the term that a kernel names; errors are in `docs/accuracy.md`, column
-//! *batch*. [`fresnel::Fit`] is a kernel itself. A term of constants alone, such as [`diffuse::lambert`], has none.
+//! *batch*. [`fresnel::Fit`] and the tables are kernels themselves. A term of constants alone, such as [`diffuse::lambert`], has none.
 
 use super::Kernel;
 use crate::fresnel::conductor_carried;
 use crate::microfacet::cos_half_carried;
+use crate::table::{DistributionTable, FresnelTable, Texel};
 use crate::twofold::Twofold;
 use crate::{Real, Vector, absorption, diffuse, distribution, fresnel, masking, microfacet, phong, refraction};
 
@@ -126,6 +127,22 @@ impl<const C: usize, const N: usize> Kernel<1, C> for fresnel::Fit<C, N> {
     #[inline(always)]
     fn evaluate<R: Real<Wide = R>>(&self, [cos_i]: [R; 1]) -> [R; C] {
         self.reflectance(cos_i)
+    }
+}
+
+/// A table of F: cos_i → F of each channel.
+impl<const C: usize, T: Texel + Sync> Kernel<1, C> for FresnelTable<C, T> {
+    #[inline(always)]
+    fn evaluate<R: Real<Wide = R>>(&self, [cos_i]: [R; 1]) -> [R; C] {
+        self.reflectance(cos_i)
+    }
+}
+
+/// A table of D: h, α → D in sr⁻¹.
+impl<T: Texel + Sync> Kernel<4, 1> for DistributionTable<T> {
+    #[inline(always)]
+    fn evaluate<R: Real<Wide = R>>(&self, [x, y, z, alpha]: [R; 4]) -> [R; 1] {
+        [DistributionTable::evaluate(self, Vector::new(x, y, z), alpha)]
     }
 }
 

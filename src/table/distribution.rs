@@ -103,7 +103,7 @@ impl<T: Texel> DistributionTable<T> {
     /// D in sr⁻¹; `h` of any length with h.z > 0, else 0, as of [`distribution::beckmann`].
     ///
     /// `alpha` is clamped to [m₀, 1].
-    #[inline]
+    #[inline(always)]
     pub fn evaluate<R: Real>(&self, h: Vector<R>, alpha: R) -> R {
         let (h, one) = (h.widen(), R::Wide::ONE);
         let above = h.z.gt(R::Wide::ZERO);
@@ -121,17 +121,8 @@ impl<T: Texel> DistributionTable<T> {
         };
         let (columns, rows) = (columns as usize, rows as usize);
         let column = eighth.sqrt().sqrt().sqrt() * R::Wide::from_f64((columns - 1) as f64);
-        let [value] = row.piecewise(rows - 1, |j, share| {
-            let texel = |i: usize, j: usize| R::Wide::from_f64(self.texels[j * columns + i].decode());
-            let [low, high] = [j, j + 1].map(|j| {
-                let [value] = column.piecewise(columns - 1, |i, share| {
-                    let (a, b) = (texel(i, j), texel(i + 1, j));
-                    [a + (b - a) * share]
-                });
-                value
-            });
-            [low + (high - low) * share]
-        });
+        let cells = [columns - 1, rows - 1];
+        let value = R::Wide::bilinear([column, row], cells, |i, j| self.texels[j * columns + i].decode());
         R::narrow(R::Wide::select(above, value * scale, R::Wide::ZERO))
     }
 

@@ -69,7 +69,7 @@ impl<const C: usize, T: Texel> FresnelTable<C, T> {
     /// The reflected fraction in each channel.
     ///
     /// `cos_i` in [0, 1]: cosine of the angle of incidence, clamped there. F in [0, 1] for any number.
-    #[inline]
+    #[inline(always)]
     pub fn reflectance<R: Real>(&self, cos_i: R) -> [R; C] {
         let c = cos_i.widen().saturate();
         let one = R::Wide::ONE;
@@ -80,12 +80,12 @@ impl<const C: usize, T: Texel> FresnelTable<C, T> {
             Mapping::Root => c.sqrt(),
         };
         let cells = self.entries.len() - 1;
-        let value = (u * R::Wide::from_f64(cells as f64)).piecewise(cells, |i, share| {
-            let (a, b) = (self.entries[i], self.entries[i + 1]);
-            core::array::from_fn(|channel| {
-                let [a, b] = [a, b].map(|entry| R::Wide::from_f64(entry[channel].decode()));
-                a + (b - a) * share
-            })
+        let value = (u * R::Wide::from_f64(cells as f64)).linear(cells, |i| {
+            let mut ends = [[0.0; 2]; C];
+            for channel in 0..C {
+                ends[channel] = [self.entries[i][channel].decode(), self.entries[i + 1][channel].decode()];
+            }
+            ends
         });
         value.map(R::narrow)
     }

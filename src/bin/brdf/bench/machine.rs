@@ -59,7 +59,24 @@ pub(super) struct Peak {
     pub(super) operations: f64,
     pub(super) divides: f64,
     pub(super) roots: f64,
+    /// Times that it does everything in [`WORK`].
+    pub(super) work: f64,
 }
+
+/// The arithmetic of an evaluation.
+pub(super) struct Work {
+    /// Products, fused with a sum or not.
+    pub(super) products: usize,
+    pub(super) sums: usize,
+    /// Comparisons, selects, minima, maxima, changes of an exponent.
+    pub(super) choices: usize,
+    pub(super) divides: usize,
+    pub(super) roots: usize,
+}
+
+/// The exact RGB Torrance–Sparrow BRDF of a metal as `Plan::evaluate_batch` has it: counted in the machine code of its loop with
+/// AVX-512. What the loop itself takes is left out.
+pub(super) const WORK: Work = Work { products: 77, sums: 40, choices: 11, divides: 4, roots: 6 };
 
 /// The length of the arrays: both fit the first cache.
 const LENGTH: usize = 2048;
@@ -157,6 +174,32 @@ impl Kernel<1, 1> for Roots {
     }
 }
 
+/// [`WORK`] with nothing that waits for long: units that different operations share are shared here too.
+struct Everything(Chains);
+impl Kernel<1, 1> for Everything {
+    #[inline(always)]
+    fn evaluate<R: Real<Wide = R>>(&self, [x]: [R; 1]) -> [R; 1] {
+        let (mut chains, factor, addend) = self.0.numbers(x);
+        // That took a sum for each chain, and the end takes as many but one.
+        for i in 0..WORK.roots {
+            chains[i] = chains[i].sqrt();
+        }
+        for i in 0..WORK.divides {
+            chains[CHAINS - 1 - i] = factor / chains[CHAINS - 1 - i];
+        }
+        for i in 0..WORK.products {
+            chains[i % CHAINS] = chains[i % CHAINS].mul_add(factor, addend);
+        }
+        for i in 0..WORK.choices {
+            chains[i % CHAINS] = chains[i % CHAINS].min(addend);
+        }
+        for i in 0..WORK.sums - (2 * CHAINS - 1) {
+            chains[i % CHAINS] = chains[i % CHAINS] + factor;
+        }
+        sum(chains)
+    }
+}
+
 /// One run of a kernel over its arrays, on each of some threads.
 fn passes<'a, K: Kernel<1, 1> + 'a>(kernel: K, level: Level, threads: usize, counted: usize) -> Task<'a> {
     /// Runs that a thread does before it waits for the others.
@@ -194,10 +237,11 @@ impl Machine {
                 passes(Operations(chains), level, threads, 2 * CHAINS * STEPS + 2 * CHAINS - 1),
                 passes(Divides(chains), level, threads, CHAINS),
                 passes(Roots(chains), level, threads, CHAINS),
+                passes(Everything(chains), level, threads, 1),
             ];
             let rates: Vec<_> = clock::measure(&mut tasks, budget).iter().map(|times| 1e9 / times.least()).collect();
-            let [multiply_adds, operations, divides, roots] = rates[..] else { continue };
-            peaks.push(Peak { level, threads, multiply_adds, operations, divides, roots });
+            let [multiply_adds, operations, divides, roots, work] = rates[..] else { continue };
+            peaks.push(Peak { level, threads, multiply_adds, operations, divides, roots, work });
         }
         // Where the system does not tell, no processor in use has more than half of this.
         let cache = host::largest_cache().unwrap_or(64 << 20);
@@ -222,7 +266,7 @@ impl Machine {
             json!({
                 "level": peak.level.name(), "threads": peak.threads,
                 "multiply_adds_per_s": peak.multiply_adds, "operations_per_s": peak.operations,
-                "divides_per_s": peak.divides, "roots_per_s": peak.roots,
+                "divides_per_s": peak.divides, "roots_per_s": peak.roots, "metals_per_s": peak.work,
             })
         };
         let copy = |threads: usize, rate: f64| json!({"threads": threads, "bytes_per_s": rate});
@@ -239,13 +283,19 @@ impl Machine {
 
     pub(super) fn print(&self, out: &mut impl Write) -> io::Result<()> {
         writeln!(out, "{}, {} threads; {}", self.processor, self.threads, host::date())?;
-        writeln!(out, "10⁹ numbers a second     multiply-adds  operations     divides       roots")?;
+        writeln!(out, "10⁹ numbers a second     multiply-adds  operations     divides       roots      metals")?;
         for peak in &self.peaks {
             let threads = if peak.threads == 1 { "1 thread ".to_owned() } else { format!("{} threads", peak.threads) };
-            let rates = [peak.multiply_adds, peak.operations, peak.divides, peak.roots];
+            let rates = [peak.multiply_adds, peak.operations, peak.divides, peak.roots, peak.work];
             let rates = rates.map(|rate| format!("{:12.2}", 1e-9 * rate)).concat();
             writeln!(out, "{:10} {threads:14}{rates}", peak.level.name())?;
         }
+        let Work { products, sums, choices, divides, roots } = WORK;
+        writeln!(
+            out,
+            "metals: {products} products, {sums} sums, {choices} choices, {divides} divides and {roots} roots, what the exact RGB \
+             Torrance–Sparrow batch takes"
+        )?;
         let [one, all] = self.copy.map(|rate| 1e-9 * rate);
         let (bytes, threads) = (self.copy_bytes >> 20, self.threads);
         writeln!(out, "copy of {bytes} MiB, read and written: {one:.1} GB/s on 1 thread, {all:.1} GB/s on {threads}")
