@@ -231,7 +231,8 @@ impl Report {
         writeln!(f, "  {title:24}{}", angles.concat())?;
         for channel in 0..first.value.len() {
             let name = self.channel_names.get(channel).map_or("", String::as_str);
-            let values: Vec<String> = row.iter().map(|a| format!("{:8.4}", a.value[channel])).collect();
+            let values: Vec<String> =
+                row.iter().filter_map(|a| a.value.get(channel)).map(|value| format!("{value:8.4}")).collect();
             writeln!(f, "  {name:>24}{}", values.concat())?;
         }
         Ok(())

@@ -2,7 +2,7 @@
 
 use super::Options;
 use super::subjects::Source;
-use brdf::check::{Finding, Place};
+use brdf::check::{self, Finding, Place};
 
 /// The command line that evaluates the place of a finding; where it has none, the one that repeats the check.
 pub(super) fn command(options: &Options, source: &Source, finding: &Finding) -> String {
@@ -11,7 +11,7 @@ pub(super) fn command(options: &Options, source: &Source, finding: &Finding) -> 
     words.extend(["--seed".to_owned(), options.seed.to_string()]);
     let parameters: String = finding.parameters.iter().map(|(name, value)| format!(",{name}={value}")).collect();
     match finding.place {
-        Place::Everywhere => {}
+        Place::Everywhere => words.extend(settings(options)),
         Place::Marginal { theta, phi, fixed } => {
             words.extend(["--at".to_owned(), format!("theta={theta},phi={phi},{}{parameters}", fixed.name())]);
         }
@@ -21,6 +21,26 @@ pub(super) fn command(options: &Options, source: &Source, finding: &Finding) -> 
         }
     }
     words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
+}
+
+/// What a repeated check has to be told besides its subject: whatever is not the default.
+fn settings(options: &Options) -> Vec<String> {
+    let default = check::Options::default();
+    let mut words = Vec::new();
+    let mut add = |option: &str, value: String| words.extend([option.to_owned(), value]);
+    if let Some(profile) = options.profile {
+        add("--profile", profile.name().to_owned());
+    }
+    if options.budget != default.budget {
+        add("--budget", options.budget.to_string());
+    }
+    if options.tolerance != check::TOLERANCE {
+        add("--tolerance", options.tolerance.to_string());
+    }
+    if options.distribution {
+        words.push("--distribution".to_owned());
+    }
+    words
 }
 
 /// A word as a shell takes it.
