@@ -90,8 +90,8 @@ fn what_is_no_shader_is_refused_where_it_is_wrong() {
     fs::write(at.join("a.wgsl"), WGSL).expect("a file");
     fs::write(at.join("torn.wgsl"), "fn f(L: vec3f) -> f32 {\n    return 1.0 +;\n}\n").expect("a file");
     for (arguments, says) in [
-        (&["--wgsl", "shaders", "--fn", "f"][..], "shaders"),
-        (&["--glsl", "shaders", "--fn", "f"], "shaders"),
+        (&["--wgsl", "shaders", "--fn", "f"][..], "shaders: is a folder"),
+        (&["--glsl", "shaders", "--fn", "f"], "shaders: is a folder"),
         (&["--wgsl", "none.wgsl", "--fn", "f"], "none.wgsl"),
         (&["--wgsl", "a.wgsl"], "--fn"),
         (&["a.wgsl"], "--fn"),
@@ -110,11 +110,11 @@ fn a_loop_that_never_ends_is_told_and_ended() {
     let at = folder("endless");
     fs::write(at.join("a.wgsl"), WGSL).expect("a file");
     let said = complaint(&check(&at, &["--wgsl", "a.wgsl", "--fn", "endless"]));
-    assert!(said.contains("a.wgsl") && said.contains("`endless` has not ended after"), "{said}");
+    assert!(said.contains("`endless of a.wgsl` has not ended after"), "{said}");
     // It is told too where only some directions never end.
     for asked in [&[][..], &["--at", "theta=0,view"], &["--html", "page.html"]] {
         let said = complaint(&check(&at, &[&["--wgsl", "a.wgsl", "--fn", "grazing"], asked].concat()));
-        assert!(said.contains("`grazing` has not ended"), "{asked:?}: {said}");
+        assert!(said.contains("`grazing of a.wgsl` has not ended"), "{asked:?}: {said}");
     }
 }
 
