@@ -98,13 +98,15 @@ impl Finding {
             lines.push(("wo", components(wo)));
         }
         if let Some(values) = &self.values {
-            for (title, f) in
-                [("f in f64", &values.double), ("f in f32", &values.single), ("f on the GPU", &values.gpu)]
-            {
-                if !f.is_empty() {
-                    lines.push((title, f.iter().map(|f| format!("{f}")).collect::<Vec<_>>().join(", ")));
-                }
-            }
+            let list = |f: &[f64]| f.iter().map(|f| plain(*f)).collect::<Vec<_>>().join(", ");
+            // Single precision by its own digits: the rest of them would be noise.
+            let narrow = |f: &[f64]| f.iter().map(|f| format!("{:?}", *f as f32)).collect::<Vec<_>>().join(", ");
+            let lists = [
+                ("f in f64", list(&values.double)),
+                ("f in f32", narrow(&values.single)),
+                ("f on the GPU", narrow(&values.gpu)),
+            ];
+            lines.extend(lists.into_iter().filter(|(_, list)| !list.is_empty()));
         }
         if !self.cause.is_empty() {
             lines.push(("likely cause", self.cause.clone()));
@@ -116,8 +118,13 @@ impl Finding {
     }
 }
 
+/// Every digit of a number, and no rows of zeros.
+fn plain(x: f64) -> String {
+    if x != 0.0 && x.abs() < 1e-4 { format!("{x:e}") } else { format!("{x}") }
+}
+
 fn components(v: Vector<f64>) -> String {
-    format!("({}, {}, {})", v.x, v.y, v.z)
+    format!("({}, {}, {})", plain(v.x), plain(v.y), plain(v.z))
 }
 
 /// Polar angle and azimuth in degrees. Grazing angles keep what tells them from 90°.

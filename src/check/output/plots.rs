@@ -344,7 +344,8 @@ fn precision(curves: &[Series], member: &str) -> String {
     let y = Axis::logarithmic(
         "relative deviation from f64",
         finite().fold(1e-8, f64::min).max(1e-9),
-        finite().fold(1e-6, f64::max),
+        // A decade more than the curves need holds the legend.
+        finite().fold(1e-6, f64::max) * 10.0,
     );
     let plane = Plane::new(Axis::degrees("polar angle θo of wo"), y, 0.0);
     let mut picture = Picture::new(&format!("Precision of {member}"));

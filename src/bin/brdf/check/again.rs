@@ -16,11 +16,16 @@ pub(super) fn command(options: &Options, source: &Source, finding: &Finding) -> 
             words.extend(["--at".to_owned(), format!("theta={theta},phi={phi},{}{parameters}", fixed.name())]);
         }
         Place::Pair { wi, wo } => {
-            let [wi, wo] = [wi, wo].map(|v| format!("{}:{}:{}", v.x, v.y, v.z));
+            let [wi, wo] = [wi, wo].map(|v| format!("{}:{}:{}", plain(v.x), plain(v.y), plain(v.z)));
             words.extend(["--at".to_owned(), format!("wi={wi},wo={wo}{parameters}")]);
         }
     }
     words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
+}
+
+/// Every digit of a number, and no rows of zeros.
+fn plain(x: f64) -> String {
+    if x != 0.0 && x.abs() < 1e-4 { format!("{x:e}") } else { format!("{x}") }
 }
 
 /// What a repeated check has to be told besides its subject: whatever is not the default.
