@@ -51,6 +51,7 @@ pub mod shader;
 pub mod sniff;
 mod stack;
 pub mod subject;
+mod table;
 pub mod verdict;
 
 pub use diagnosis::Cause;

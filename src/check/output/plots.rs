@@ -336,12 +336,16 @@ fn validity(grid: &Grid, member: &str) -> String {
     picture.finish()
 }
 
+/// Grey and small, on a white rim: a curve may run behind it.
+const HALO: &str = "fill=\"#666666\" font-size=\"11\" stroke=\"#ffffff\" stroke-width=\"3\" paint-order=\"stroke\"";
+
 fn precision(curves: &[Series], member: &str) -> String {
     let finite = || curves.iter().flat_map(|curve| &curve.y).copied().filter(|y| *y > 0.0 && y.is_finite());
     let y = Axis::logarithmic(
         "relative deviation from f64",
         finite().fold(1e-8, f64::min).max(1e-9),
-        finite().fold(1e-6, f64::max),
+        // A decade more than the curves need holds the legend.
+        finite().fold(1e-6, f64::max) * 10.0,
     );
     let plane = Plane::new(Axis::degrees("polar angle θo of wo"), y, 0.0);
     let mut picture = Picture::new(&format!("Precision of {member}"));
@@ -349,7 +353,7 @@ fn precision(curves: &[Series], member: &str) -> String {
     let rounding = f64::from(f32::EPSILON) * 0.5;
     let [x, y] = plane.at(0.0, rounding);
     picture.line(&[[x, y], plane.at(90.0, rounding)], Stroke { colour: "#666666", dash: "2 3", width: 1.0 });
-    picture.text([x + 6.0, y - 4.0], "start", "one rounding of f32", "fill=\"#666666\" font-size=\"11\"");
+    picture.text([x + 6.0, y - 4.0], "start", "one rounding of f32", HALO);
     for (index, curve) in curves.iter().enumerate() {
         let stroke = Stroke::of(index);
         let points = curve.x.iter().zip(&curve.y).filter(|(_, y)| y.is_finite());

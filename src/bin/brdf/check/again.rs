@@ -2,7 +2,7 @@
 
 use super::Options;
 use super::subjects::Source;
-use brdf::check::{Finding, Place};
+use brdf::check::{self, Finding, Place};
 
 /// The command line that evaluates the place of a finding; where it has none, the one that repeats the check.
 pub(super) fn command(options: &Options, source: &Source, finding: &Finding) -> String {
@@ -11,16 +11,41 @@ pub(super) fn command(options: &Options, source: &Source, finding: &Finding) -> 
     words.extend(["--seed".to_owned(), options.seed.to_string()]);
     let parameters: String = finding.parameters.iter().map(|(name, value)| format!(",{name}={value}")).collect();
     match finding.place {
-        Place::Everywhere => {}
+        Place::Everywhere => words.extend(settings(options)),
         Place::Marginal { theta, phi, fixed } => {
             words.extend(["--at".to_owned(), format!("theta={theta},phi={phi},{}{parameters}", fixed.name())]);
         }
         Place::Pair { wi, wo } => {
-            let [wi, wo] = [wi, wo].map(|v| format!("{}:{}:{}", v.x, v.y, v.z));
+            let [wi, wo] = [wi, wo].map(|v| format!("{}:{}:{}", plain(v.x), plain(v.y), plain(v.z)));
             words.extend(["--at".to_owned(), format!("wi={wi},wo={wo}{parameters}")]);
         }
     }
     words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
+}
+
+/// Every digit of a number, and no rows of zeros.
+fn plain(x: f64) -> String {
+    if x != 0.0 && x.abs() < 1e-4 { format!("{x:e}") } else { format!("{x}") }
+}
+
+/// What a repeated check has to be told besides its subject: whatever is not the default.
+fn settings(options: &Options) -> Vec<String> {
+    let default = check::Options::default();
+    let mut words = Vec::new();
+    let mut add = |option: &str, value: String| words.extend([option.to_owned(), value]);
+    if let Some(profile) = options.profile {
+        add("--profile", profile.name().to_owned());
+    }
+    if options.budget != default.budget {
+        add("--budget", options.budget.to_string());
+    }
+    if options.tolerance != check::TOLERANCE {
+        add("--tolerance", options.tolerance.to_string());
+    }
+    if options.distribution {
+        words.push("--distribution".to_owned());
+    }
+    words
 }
 
 /// A word as a shell takes it.

@@ -14,7 +14,7 @@ use brdf::check::output::{Entry, Outcome, Run, Shard};
 use brdf::check::{self, Finding, Report, Verdict};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use subjects::{Loaded, Reading, Refusal, Source};
@@ -168,8 +168,11 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
         terminal::print(&mut out, &run, options.verbose, acceptance.as_ref())?;
     }
     out.flush()?;
-    for (_, reason) in run.refused() {
-        eprintln!("brdf: {reason}");
+    // A terminal shows both outputs, and the table has said it there.
+    if options.json || !io::stdout().is_terminal() {
+        for (_, reason) in run.refused() {
+            eprintln!("brdf: {reason}");
+        }
     }
     Ok(ExitCode::from(run.exit_code()))
 }

@@ -191,6 +191,12 @@ impl Reading {
     pub(super) fn load(&self, source: &Source) -> Result<Loaded, Refusal> {
         let name = &source.name;
         if self.shaders.file().is_some() {
+            if Path::new(name).is_dir() {
+                return Err(format!(
+                    "{name}: is a folder, and --wgsl and --glsl take a file: without them a folder is searched"
+                )
+                .into());
+            }
             return Ok(self.shaders.load(name, Language::Wgsl, &self.values, &self.ranges)?);
         }
         if brdf::material::stack::by_name(name).is_some() || !Path::new(name).exists() {
@@ -307,6 +313,12 @@ impl Judged {
             found.map_or(parameter.default, |(_, value)| *value)
         };
         parameters.iter().map(value).collect()
+    }
+
+    /// The parameters and their values, by name.
+    pub(super) fn named(&self, values: &[f64]) -> Vec<(String, f64)> {
+        let parameters = self.family().map_or(&[][..], Family::parameters);
+        parameters.iter().map(|parameter| parameter.name.clone()).zip(values.iter().copied()).collect()
     }
 
     /// Refuses values of parameters that there are not, or beyond their range.

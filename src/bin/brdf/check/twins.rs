@@ -108,6 +108,7 @@ impl Twins {
             limit: f64::INFINITY,
             place: Place::Pair { wi, wo },
             channel: Some((index % channels, name)),
+            parameters: loaded.judged.named(values),
             note: format!("worst relative deviation from f64, median {median:.1e}{lost}"),
             ..Finding::new(Check::Gpu)
         })

@@ -1,0 +1,170 @@
+//! What `brdf check` makes of shaders, profiles and broken input, as a user meets it.
+#![cfg(feature = "cli")]
+
+use serde_json::Value;
+use std::fs::{self, File};
+use std::io::{BufWriter, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A folder of this test run, empty.
+fn folder(name: &str) -> PathBuf {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("check_cli_inputs").join(name);
+    let _ = fs::remove_dir_all(&path);
+    fs::create_dir_all(&path).expect("a writable folder");
+    path
+}
+
+/// `brdf check` without an adapter, on a tenth of the default budget.
+fn check(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_brdf"))
+        .args(["check", "--no-twins", "--budget", "100000"])
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .expect("brdf runs")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("UTF-8")
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().expect("no signal")
+}
+
+/// What bad input is told, which exits with 2.
+fn complaint(output: &Output) -> String {
+    assert_eq!(code(output), 2, "{output:?}");
+    text(&output.stderr)
+}
+
+fn report(output: &Output) -> Value {
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {output:?}"));
+    json["reports"][0].clone()
+}
+
+fn finding<'a>(report: &'a Value, check: &str) -> &'a Value {
+    let findings = report["findings"].as_array().expect("a list");
+    findings.iter().find(|finding| finding["check"] == check).unwrap_or_else(|| panic!("no {check} in {report}"))
+}
+
+/// Lambert as two languages write it, its albedo a parameter; beside it a term that is not reciprocal and one that never ends.
+const WGSL: &str = "fn lambert(L: vec3f, V: vec3f, N: vec3f, albedo: f32) -> f32 { return albedo / 3.14159265; }\n\
+    fn lopsided(L: vec3f, V: vec3f, N: vec3f) -> f32 { return 0.2 * (1.0 + dot(N, V)); }\n\
+    fn endless(L: vec3f, V: vec3f, N: vec3f) -> f32 {\n\
+        var x = dot(N, L);\n    loop { x = x + 1.0; if (x < 0.0) { break; } }\n    return x;\n}\n\
+    fn grazing(L: vec3f, V: vec3f, N: vec3f) -> f32 {\n\
+        var x = 0.3;\n    loop { if (dot(N, L) > 0.5) { break; } x = x * 0.5; }\n    return x;\n}\n";
+const GLSL: &str = "precision highp float;\nfloat lambert(const in vec3 l, const in vec3 v, float albedo) {\n\
+    return albedo / 3.14159265;\n}\n";
+
+#[test]
+fn a_function_of_either_language_is_judged() {
+    let at = folder("languages");
+    fs::write(at.join("a.wgsl"), WGSL).expect("a file");
+    fs::write(at.join("a.glsl"), GLSL).expect("a file");
+    for (language, file, kind) in [("--wgsl", "a.wgsl", "WGSL"), ("--glsl", "a.glsl", "GLSL")] {
+        let judged = report(&check(&at, &[language, file, "--fn", "lambert", "--json"]));
+        assert_eq!((&judged["kind"], &judged["verdict"]), (&kind.into(), &"PASS".into()), "{judged}");
+        assert_eq!(judged["coverage"]["parameters"][0]["name"], "albedo");
+        // White is within the range that was searched, and is the most there is.
+        let albedo = finding(&judged, "ENERGY")["value"].as_f64().expect("a number");
+        assert!((albedo - 1.0).abs() < 1e-3, "{albedo}");
+        // Beyond its range it gains: 1.5 of 1.
+        let gains = check(&at, &[language, file, "--fn", "lambert", "--range", "albedo=0..1.5", "--json"]);
+        assert_eq!(code(&gains), 1);
+        let gains = report(&gains);
+        let energy = finding(&gains, "ENERGY");
+        assert!((energy["value"].as_f64().expect("a number") - 1.5).abs() < 1e-3, "{energy}");
+        assert_eq!(energy["parameters"][0]["value"], 1.5);
+        // The file is found without the option too.
+        assert_eq!(code(&check(&at, &[file, "--fn", "lambert", "--param", "albedo=0.5"])), 0);
+    }
+}
+
+#[test]
+fn what_is_no_shader_is_refused_where_it_is_wrong() {
+    let at = folder("refused");
+    fs::create_dir(at.join("shaders")).expect("a folder");
+    fs::write(at.join("a.wgsl"), WGSL).expect("a file");
+    fs::write(at.join("torn.wgsl"), "fn f(L: vec3f) -> f32 {\n    return 1.0 +;\n}\n").expect("a file");
+    for (arguments, says) in [
+        (&["--wgsl", "shaders", "--fn", "f"][..], "shaders: is a folder"),
+        (&["--glsl", "shaders", "--fn", "f"], "shaders: is a folder"),
+        (&["--wgsl", "none.wgsl", "--fn", "f"], "none.wgsl"),
+        (&["--wgsl", "a.wgsl"], "--fn"),
+        (&["a.wgsl"], "--fn"),
+        (&["--wgsl", "a.wgsl", "--fn", "phong"], "lambert"),
+        (&["--wgsl", "torn.wgsl", "--fn", "f"], "torn.wgsl:2:"),
+        (&["--wgsl", "a.wgsl", "--fn", "lambert", "--param", "roughness=1"], "roughness"),
+        (&["--wgsl", "a.wgsl", "--fn", "lambert", "--map", "albedo=sky"], "sky"),
+    ] {
+        let said = complaint(&check(&at, arguments));
+        assert!(said.contains(says), "{arguments:?}: {said}");
+    }
+}
+
+#[test]
+fn a_loop_that_never_ends_is_told_and_ended() {
+    let at = folder("endless");
+    fs::write(at.join("a.wgsl"), WGSL).expect("a file");
+    let said = complaint(&check(&at, &["--wgsl", "a.wgsl", "--fn", "endless"]));
+    assert!(said.contains("`endless of a.wgsl` has not ended after"), "{said}");
+    // It is told too where only some directions never end.
+    for asked in [&[][..], &["--at", "theta=0,view"], &["--html", "page.html"]] {
+        let said = complaint(&check(&at, &[&["--wgsl", "a.wgsl", "--fn", "grazing"], asked].concat()));
+        assert!(said.contains("`grazing of a.wgsl` has not ended"), "{asked:?}: {said}");
+    }
+}
+
+#[test]
+fn profiles_say_what_binds() {
+    let at = folder("profiles");
+    fs::write(at.join("a.wgsl"), WGSL).expect("a file");
+    // 0.2 (1 + NoV): the albedo is at most 0.4 π at a fixed view, and the two orders differ.
+    let judge = |profile: &str| {
+        let arguments = ["--wgsl", "a.wgsl", "--fn", "lopsided", "--profile", profile, "--json"];
+        let output = check(&at, &arguments);
+        (code(&output), report(&output))
+    };
+    let (strict, lines) = judge("strict");
+    assert_eq!((strict, &finding(&lines, "RECIPROCITY")["verdict"]), (1, &"FAIL".into()));
+    let (_, lines) = judge("realtime");
+    assert_eq!(finding(&lines, "RECIPROCITY")["binding"], false);
+    let (term, lines) = judge("term");
+    assert_eq!((term, &finding(&lines, "SIGN")["verdict"]), (0, &"PASS".into()), "{lines}");
+}
+
+/// A MERL file whose bins all hold `value`, but for the one at `hole`.
+fn measured(path: &Path, value: f64, hole: Option<(u64, f64)>) {
+    let mut out = BufWriter::new(File::create(path).expect("a file"));
+    for n in [90i32, 90, 180] {
+        out.write_all(&n.to_le_bytes()).expect("written");
+    }
+    let row: Vec<u8> = (0..180).flat_map(|_| value.to_le_bytes()).collect();
+    for _ in 0..3 * 90 * 90 {
+        out.write_all(&row).expect("written");
+    }
+    if let Some((bin, value)) = hole {
+        out.seek(SeekFrom::Start(12 + 8 * bin)).expect("a seek");
+        out.write_all(&value.to_le_bytes()).expect("written");
+    }
+}
+
+#[test]
+fn measurements_are_judged_and_broken_ones_refused_by_offset() {
+    let at = folder("merl");
+    // Red is scaled by 1/1500: an albedo of .3 there, 1.66 times that in blue.
+    let value = 0.3 / std::f64::consts::PI * 1500.0;
+    measured(&at.join("grey.binary"), value, None);
+    let judged = report(&check(&at, &["grey.binary", "--json"]));
+    assert_eq!((&judged["kind"], &judged["verdict"]), (&"MERL".into(), &"PASS".into()), "{judged}");
+    measured(&at.join("hole.binary"), value, Some((1000, f64::NAN)));
+    let said = complaint(&check(&at, &["hole.binary"]));
+    assert!(said.contains("hole.binary") && said.contains("8012"), "{said}");
+    let torn = File::options().write(true).open(at.join("grey.binary")).expect("the file");
+    torn.set_len(20_000_000).expect("cut");
+    let said = complaint(&check(&at, &["grey.binary"]));
+    assert!(said.contains("34992012"), "{said}");
+}
