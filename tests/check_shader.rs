@@ -2,6 +2,9 @@
 
 #![cfg(all(feature = "check", feature = "shader"))]
 
+#[cfg(feature = "gpu")]
+mod adapters;
+
 use brdf::check::Family;
 use brdf::check::shader::{Language, Options, Returns, ShaderFamily, sniff};
 use brdf::frame::Vector;
@@ -251,6 +254,14 @@ fn a_light_that_points_the_other_way_is_told() {
     asked.maps = strings(&["lightDirNorm=-wi"]);
     let family = ShaderFamily::from_source("a.wgsl", source, &asked).unwrap();
     near(f(&family, &[], direction(0.6, 0.3), direction(0.9, 2.5))[0], 1.0 / PI, 1e-14);
+    // Less than dark: a note.
+    let source = "fn f(n: vec3f, lightDirNorm: vec3f, v: vec3f) -> f32 { return 1.0 + dot(n, -lightDirNorm); }
+        fn g(n: vec3f, l: vec3f, v: vec3f) -> f32 { return 1.0 + dot(reflect(-l, n), v); }";
+    let family = ShaderFamily::from_source("a.wgsl", source, &options("f")).unwrap();
+    assert!(family.notes().iter().any(|note| note.contains("--map lightDirNorm=-wi")), "{:?}", family.notes());
+    let family = ShaderFamily::from_source("a.wgsl", source, &options("g")).unwrap();
+    assert!(family.notes().iter().all(|note| !note.contains("negated")), "{:?}", family.notes());
+    let source = "fn f(normal: vec3f, lightDirNorm: vec3f) -> f32 { return max(dot(normal, -lightDirNorm), 0.0); }";
     asked.maps = strings(&["lightDirNorm=wi"]);
     let family = ShaderFamily::from_source("a.wgsl", source, &asked).unwrap();
     assert!(family.notes().iter().any(|note| note.contains("not above 0")), "{:?}", family.notes());
@@ -322,7 +333,7 @@ fn errors_name_the_users_place() {
             "a.wgsl",
             "fn f(l: vec3f) -> vec2f { return l.xy; }",
             options("f"),
-            "a.wgsl: `fn f(l: vec3<f32>) -> vec2<f32>` returns neither",
+            "a.wgsl: which result of `fn f(l: vec3<f32>) -> vec2<f32>` is the BRDF? say --result x, y",
         ),
         (
             "a.wgsl",
@@ -493,4 +504,37 @@ fn broken_files_end_in_errors() {
         }
     }
     assert!(read > 0 && refused > 0, "{read} {refused}");
+}
+
+/// The same function on an adapter: what the shader gives there, apart by rounding alone.
+#[cfg(feature = "gpu")]
+#[test]
+fn an_adapter_agrees() {
+    for gpu in adapters::adapters_for_tests() {
+        adapter_agrees(&gpu);
+    }
+}
+
+#[cfg(feature = "gpu")]
+fn adapter_agrees(gpu: &brdf::gpu::Gpu) {
+    let mut asked = options("lit");
+    asked.include = vec![PathBuf::from("tests/check_shader")];
+    let family = ShaderFamily::from_source("lighting.wgsl", BEVY, &asked).unwrap();
+    let single = |v: Vector<f64>| Vector::new(v.x as f32, v.y as f32, v.z as f32);
+    let pairs: Vec<_> = (0..50)
+        .map(|i| (direction(0.02 * f64::from(i), 0.3), direction(1.2 - 0.01 * f64::from(i), 2.5)))
+        .map(|(wi, wo)| (single(wi), single(wo)))
+        .collect();
+    let values = [0.5, 1.0];
+    let on_gpu = family.evaluate_on(gpu, &values, &pairs).unwrap();
+    assert_eq!(on_gpu.len(), pairs.len() * family.channels());
+    let subject = family.subject(&values);
+    for ((wi, wo), got) in pairs.iter().zip(on_gpu.chunks(family.channels())) {
+        let mut f = vec![0.0; family.channels()];
+        assert!(subject.evaluate_single(*wi, *wo, &mut f));
+        for (got, want) in got.iter().zip(&f) {
+            // α = .5: a division and a square root of 2.5 ulp each, and 1-NoH² at 2⁻²³/α².
+            assert!((got - want).abs() <= 1e-4 * want.abs().max(1e-3), "{got} {want}");
+        }
+    }
 }

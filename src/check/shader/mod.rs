@@ -193,6 +193,9 @@ impl ShaderFamily {
             }
         };
         let directions = mapping.told_by_names(options);
+        for (path, role) in directions.iter().filter(|(path, _)| compiled.negates(path)) {
+            mapping.notes.push(format!("{path} is negated: if it points into the surface, say --map {path}=-{role}"));
+        }
         let family = ShaderFamily {
             name: format!("{} of {name}", compiled.entry.name),
             signature: compiled.entry.signature(language),

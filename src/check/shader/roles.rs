@@ -174,8 +174,9 @@ fn direction(name: &str) -> Option<Direction> {
         }
         "n" | "nrm" | "nor" | "norm" | "ng" | "ns" => return Some(Direction::Normal),
         "h" | "wh" | "m" | "wm" | "hdir" => return Some(Direction::Half),
-        "t" | "x" => return Some(Direction::Tangent),
-        "b" | "y" => return Some(Direction::Bitangent),
+        // Of an anisotropic layer.
+        "t" | "x" | "ta" | "anisotropict" | "anisotropyt" => return Some(Direction::Tangent),
+        "b" | "y" | "ba" | "anisotropicb" | "anisotropyb" => return Some(Direction::Bitangent),
         _ => {}
     }
     // What holds the name of another is asked for first: binormal, halfview.
@@ -299,7 +300,7 @@ mod tests {
             (Wo, "wo V v viewDir view_direction eyeVec toEye cameraDir w_o outgoing vViewDir"),
             (Normal, "N n normal vNormal worldNormal geometryNormal normal_ws nrm clearcoatNormal"),
             (Half, "H h halfVector half_vector wh halfDir"),
-            (Tangent, "T X t tangent vTangent"),
+            (Tangent, "T X t tangent vTangent Ta anisotropicT"),
             (Bitangent, "B Y b bitangent binormal"),
         ] {
             for name in names.split(' ') {

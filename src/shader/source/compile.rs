@@ -186,6 +186,19 @@ impl Compiled<'_> {
         own.any(|item| item.tokens.iter().filter(|token| token.is(parameter)).count() > 1)
     }
 
+    /// Whether the opposite of a parameter of this name is taken somewhere, but for `reflect` and `refract`, which expect it.
+    pub fn negates(&self, parameter: &str) -> bool {
+        let root = self.source.units.first().map_or(&[][..], |unit| &unit.items);
+        root.iter().any(|item| {
+            let word = |at: usize, text: &str| item.tokens.get(at).is_some_and(|token| token.is(text));
+            (3..item.tokens.len()).any(|at| {
+                let opens = word(at - 2, "(") || word(at - 2, ",");
+                let incident = word(at - 3, "reflect") || word(at - 3, "refract");
+                word(at, parameter) && word(at - 1, "-") && opens && !incident
+            })
+        })
+    }
+
     /// The language of the source, in which [`Compiled::with`] takes its text.
     pub fn language(&self) -> Language {
         self.source.language
