@@ -384,8 +384,8 @@ impl Mapping {
     pub(super) fn told_by_names(&self, options: &Options) -> Vec<(String, Role)> {
         let told = |slot: &Slot| match slot.source {
             Source::Geometry(role @ Role::Along(Direction::Wi | Direction::Wo, false)) if slot.read => {
-                let said = options.maps.iter().filter_map(|map| map.split_once('='));
-                let is_said = said.into_iter().any(|(name, _)| slot.path.ends_with(name.trim()));
+                let mut said = options.maps.iter().filter_map(|map| map.split_once('='));
+                let is_said = said.any(|(name, _)| slot.path.ends_with(name.trim()));
                 (!is_said).then(|| (slot.path.clone(), role))
             }
             _ => None,

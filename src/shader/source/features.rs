@@ -41,7 +41,9 @@ pub(super) fn chosen(tokens: Vec<Token>, defines: &[String], files: &[File]) -> 
                 match &*token.text {
                     "(" | "[" => around.push(Within::List),
                     "{" => around.push(if is_list(&tokens, at) { Within::List } else { Within::Body }),
-                    ")" | "]" | "}" => drop(around.pop()),
+                    ")" | "]" | "}" => {
+                        around.pop();
+                    }
                     _ => {}
                 }
             }
