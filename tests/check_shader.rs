@@ -2,6 +2,9 @@
 
 #![cfg(all(feature = "check", feature = "shader"))]
 
+#[cfg(feature = "gpu")]
+mod adapters;
+
 use brdf::check::Family;
 use brdf::check::shader::{Language, Options, Returns, ShaderFamily, sniff};
 use brdf::frame::Vector;
@@ -219,6 +222,69 @@ fn nothing_that_is_not_a_number_is_lost() {
     assert_eq!(f(&family, &[], direction(0.1, 0.0), direction(0.2, 0.0)), [3.0]);
 }
 
+/// Whole numbers where GLSL makes them floats.
+#[test]
+fn whole_numbers_of_glsl() {
+    let (wi, wo) = (direction(0.6, 0.3), direction(0.9, 2.5));
+    for (body, want) in [
+        ("return 1;", 1.0),
+        ("int n = 3; if (l.z < 0) return 0; return n;", 3.0),
+        ("return l.z > 0 ? 2 : 0;", 2.0),
+        ("return 2*l.z;", 2.0 * wi.z),
+        ("return l.z;", wi.z),
+        ("return 1 - max(l.z, 0);", 1.0 - wi.z),
+        ("float x = 1; x += 2; return pow(x, 2) / 2;", 4.5),
+    ] {
+        let source = format!("#line 7\nfloat f(vec3 l, vec3 v) {{ {body} }}");
+        let family = ShaderFamily::from_source("a.glsl", &source, &options("f")).unwrap();
+        near(f(&family, &[], wi, wo)[0], want, 1e-15);
+    }
+}
+
+/// A light that points into the surface makes everything 0, which is no plausible surface but a wrong sign.
+#[test]
+fn a_light_that_points_the_other_way_is_told() {
+    let source = "fn f(normal: vec3f, viewDir: vec3f, lightDirNorm: vec3f, tbn: mat3x3f, position: vec3f) -> f32 {
+        return max(dot(tbn * normal, -lightDirNorm), 0.0);
+    }";
+    let mut asked = options("f");
+    asked.returns = Returns::PiCosine;
+    let error = ShaderFamily::from_source("a.wgsl", source, &asked).unwrap_err();
+    assert!(error.message().contains("say --map lightDirNorm=-wi"), "{error}");
+    asked.maps = strings(&["lightDirNorm=-wi"]);
+    let family = ShaderFamily::from_source("a.wgsl", source, &asked).unwrap();
+    near(f(&family, &[], direction(0.6, 0.3), direction(0.9, 2.5))[0], 1.0 / PI, 1e-14);
+    // Less than dark: a note.
+    let source = "fn f(n: vec3f, lightDirNorm: vec3f, v: vec3f) -> f32 { return 1.0 + dot(n, -lightDirNorm); }
+        fn g(n: vec3f, l: vec3f, v: vec3f) -> f32 { return 1.0 + dot(reflect(-l, n), v); }";
+    let family = ShaderFamily::from_source("a.wgsl", source, &options("f")).unwrap();
+    assert!(family.notes().iter().any(|note| note.contains("--map lightDirNorm=-wi")), "{:?}", family.notes());
+    let family = ShaderFamily::from_source("a.wgsl", source, &options("g")).unwrap();
+    assert!(family.notes().iter().all(|note| !note.contains("negated")), "{:?}", family.notes());
+    let source = "fn f(normal: vec3f, lightDirNorm: vec3f) -> f32 { return max(dot(normal, -lightDirNorm), 0.0); }";
+    asked.maps = strings(&["lightDirNorm=wi"]);
+    let family = ShaderFamily::from_source("a.wgsl", source, &asked).unwrap();
+    assert!(family.notes().iter().any(|note| note.contains("not above 0")), "{:?}", family.notes());
+}
+
+/// WESL's conditions by `-D`, in members, statements and imports.
+#[test]
+fn features_of_wesl() {
+    let source = "@if(MISSING) import nowhere::{nothing};
+        struct Input { @if(COATED) strength: f32, @else level: f32, roughness: f32 }
+        fn f(input: ptr<function, Input>, l: vec3f) -> f32 {
+            @if(COATED) return (*input).strength * l.z;
+            @else { let x = (*input).level; return x * l.z; }
+        }";
+    let mut asked = options("f");
+    asked.values = strings(&["level=2"]);
+    let (wi, wo) = (direction(0.6, 0.3), direction(0.9, 2.5));
+    near(f(&ShaderFamily::from_source("a.wesl", source, &asked).unwrap(), &[], wi, wo)[0], 2.0 * wi.z, 1e-14);
+    asked.values = strings(&["strength=3"]);
+    asked.defines = strings(&["COATED"]);
+    near(f(&ShaderFamily::from_source("a.wesl", source, &asked).unwrap(), &[], wi, wo)[0], 3.0 * wi.z, 1e-14);
+}
+
 /// A source, what is asked of it, and how the error begins.
 #[test]
 fn errors_name_the_users_place() {
@@ -241,13 +307,13 @@ fn errors_name_the_users_place() {
         ("a.glsl", "float f(vec3 l) {\n  return l.z;\n", options("f"), "a.glsl:1:17: `{` is not closed"),
         (
             "a.wgsl",
-            "fn f(a: vec3f, b: vec3f) -> f32 { return a.z; }",
+            "fn f(a: vec3f, b: vec3f) -> f32 { return a.z * b.z; }",
             options("f"),
             "a.wgsl: it is not clear what `a`, `b` of",
         ),
         (
             "a.wgsl",
-            "fn f(x: vec3f, y: vec3f) -> f32 { return x.z; }",
+            "fn f(x: vec3f, y: vec3f) -> f32 { return x.z * y.z; }",
             options("f"),
             "a.wgsl: it is not clear what `x`, `y` of",
         ),
@@ -267,7 +333,7 @@ fn errors_name_the_users_place() {
             "a.wgsl",
             "fn f(l: vec3f) -> vec2f { return l.xy; }",
             options("f"),
-            "a.wgsl: `fn f(l: vec3<f32>) -> vec2<f32>` returns neither",
+            "a.wgsl: which result of `fn f(l: vec3<f32>) -> vec2<f32>` is the BRDF? say --result x, y",
         ),
         (
             "a.wgsl",
@@ -438,4 +504,37 @@ fn broken_files_end_in_errors() {
         }
     }
     assert!(read > 0 && refused > 0, "{read} {refused}");
+}
+
+/// The same function on an adapter: what the shader gives there, apart by rounding alone.
+#[cfg(feature = "gpu")]
+#[test]
+fn an_adapter_agrees() {
+    for gpu in adapters::adapters_for_tests() {
+        adapter_agrees(&gpu);
+    }
+}
+
+#[cfg(feature = "gpu")]
+fn adapter_agrees(gpu: &brdf::gpu::Gpu) {
+    let mut asked = options("lit");
+    asked.include = vec![PathBuf::from("tests/check_shader")];
+    let family = ShaderFamily::from_source("lighting.wgsl", BEVY, &asked).unwrap();
+    let single = |v: Vector<f64>| Vector::new(v.x as f32, v.y as f32, v.z as f32);
+    let pairs: Vec<_> = (0..50)
+        .map(|i| (direction(0.02 * f64::from(i), 0.3), direction(1.2 - 0.01 * f64::from(i), 2.5)))
+        .map(|(wi, wo)| (single(wi), single(wo)))
+        .collect();
+    let values = [0.5, 1.0];
+    let on_gpu = family.evaluate_on(gpu, &values, &pairs).unwrap();
+    assert_eq!(on_gpu.len(), pairs.len() * family.channels());
+    let subject = family.subject(&values);
+    for ((wi, wo), got) in pairs.iter().zip(on_gpu.chunks(family.channels())) {
+        let mut f = vec![0.0; family.channels()];
+        assert!(subject.evaluate_single(*wi, *wo, &mut f));
+        for (got, want) in got.iter().zip(&f) {
+            // α = .5: a division and a square root of 2.5 ulp each, and 1-NoH² at 2⁻²³/α².
+            assert!((got - want).abs() <= 1e-4 * want.abs().max(1e-3), "{got} {want}");
+        }
+    }
 }

@@ -59,6 +59,25 @@ impl ShaderFamily {
         Ok(())
     }
 
+    /// Whether f is above 0 nowhere: at the defaults, the least and the greatest of all parameters.
+    pub(super) fn is_dark(&self) -> bool {
+        let directions = [(0.0, 0.0), (0.6, 0.0), (-0.6, 0.0), (0.0, 0.6), (0.48, -0.36), (0.96, 0.0), (-0.96, 0.0)]
+            .map(|(x, y): (f64, f64)| Vector::new(x, y, (1.0 - x * x - y * y).sqrt()));
+        let pairs: Vec<_> = directions.iter().flat_map(|wi| directions.iter().map(move |wo| (*wi, *wo))).collect();
+        let choices: [fn(&crate::check::Parameter) -> f64; 3] = [|p| p.default, |p| p.low, |p| p.high];
+        choices.iter().all(|choice| {
+            let values: Vec<f32> = self.parameters.iter().map(|parameter| choice(parameter) as f32).collect();
+            let mut cells: Vec<Cell<f32>> = Vec::new();
+            for (wi, wo) in &pairs {
+                cells.extend([wi.x, wi.y, wi.z, wo.x, wo.y, wo.z].map(|x| Cell::Real(x as f32)));
+                cells.extend(values.iter().map(|value| Cell::Real(*value)));
+            }
+            // What cannot be run is told where it is judged.
+            let is_lit = |cell: Cell<f32>| matches!(cell, Cell::Real(f) if f > 0.0);
+            self.single.run(&cells, &mut Buffers::new()).is_ok_and(|f| !f.into_iter().any(is_lit))
+        })
+    }
+
     fn fail(&self, error: &InterpError) {
         // The first error is the one that is told.
         let _ = self.error.set(explained(error, &self.name));

@@ -45,6 +45,7 @@ use crate::shader::interp::{InterpError, Program, Shader};
 use crate::shader::source::{Environment, Source};
 use core::fmt;
 use core::str::FromStr;
+use roles::Role;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -117,6 +118,8 @@ pub struct ShaderFamily {
     notes: Vec<String>,
     parameters: Vec<Parameter>,
     channels: usize,
+    /// The directions that names alone told, and what they were taken for.
+    directions: Vec<(String, Role)>,
     wgsl: String,
     double: Option<Program<f64>>,
     single: Program<f32>,
@@ -148,6 +151,26 @@ impl ShaderFamily {
     /// is not there; a parameter whose meaning is open, with the signature and how to say it; a function that does
     /// not end.
     pub fn from_source(name: &str, text: &str, options: &Options) -> Result<Self, SourceError> {
+        let mut family = Self::read(name, text, options)?;
+        if family.is_dark() {
+            for (path, role) in &family.directions {
+                let mut turned = options.clone();
+                turned.maps.push(format!("{path}=-{role}"));
+                if Self::read(name, text, &turned).is_ok_and(|turned| !turned.is_dark()) {
+                    let what = format!(
+                        "`{}` is never above 0 with {path} = {role}, and is with -{role}: if {path} points into the surface, \
+                         say --map {path}=-{role}; if it does not, --map {path}={role}",
+                        family.signature
+                    );
+                    return Err(SourceError::of(name, what));
+                }
+            }
+            family.notes.push("f was not above 0 for any of the directions tried first: is this all of it?".to_owned());
+        }
+        Ok(family)
+    }
+
+    fn read(name: &str, text: &str, options: &Options) -> Result<Self, SourceError> {
         let Some(language) = options.language.or_else(|| sniff(text)) else {
             return Err(SourceError::of(name, "neither WGSL nor GLSL: it has no function of either"));
         };
@@ -169,12 +192,17 @@ impl ShaderFamily {
                 None
             }
         };
+        let directions = mapping.told_by_names(options);
+        for (path, role) in directions.iter().filter(|(path, _)| compiled.negates(path)) {
+            mapping.notes.push(format!("{path} is negated: if it points into the surface, say --map {path}=-{role}"));
+        }
         let family = ShaderFamily {
             name: format!("{} of {name}", compiled.entry.name),
             signature: compiled.entry.signature(language),
             notes: mapping.notes,
             parameters: mapping.parameters,
             channels,
+            directions,
             wgsl,
             double,
             single,

@@ -174,8 +174,9 @@ fn direction(name: &str) -> Option<Direction> {
         }
         "n" | "nrm" | "nor" | "norm" | "ng" | "ns" => return Some(Direction::Normal),
         "h" | "wh" | "m" | "wm" | "hdir" => return Some(Direction::Half),
-        "t" | "x" => return Some(Direction::Tangent),
-        "b" | "y" => return Some(Direction::Bitangent),
+        // Of an anisotropic layer.
+        "t" | "x" | "ta" | "anisotropict" | "anisotropyt" => return Some(Direction::Tangent),
+        "b" | "y" | "ba" | "anisotropicb" | "anisotropyb" => return Some(Direction::Bitangent),
         _ => {}
     }
     // What holds the name of another is asked for first: binormal, halfview.
@@ -198,7 +199,20 @@ fn direction(name: &str) -> Option<Direction> {
 
 /// Whether a vector may have this name: a width or a slider in three components is something else.
 fn is_colour(name: &str) -> bool {
-    let parts = ["f0", "r0", "f90", "color", "colour", "albedo", "rho", "diffuse", "reflect", "radiance", "intensity"];
+    let parts = [
+        "f0",
+        "r0",
+        "f90",
+        "color",
+        "colour",
+        "albedo",
+        "rho",
+        "diffuse",
+        "reflect",
+        "radiance",
+        "intensity",
+        "compensation",
+    ];
     let names = ["kd", "ks", "cdiff", "cspec", "specular", "energycompensation", "sheen", "attenuation"];
     names.contains(&name) || parts.iter().any(|part| name.contains(part))
 }
@@ -230,7 +244,7 @@ pub(super) fn known(name: &str, size: usize) -> Option<Known> {
     match name {
         _ if size > 2 && !is_colour(name) => return None,
         "a" | "alpha" | "alphag" | "ggxalpha" | "roughnessalpha" | "alpharoughness" | "ax" | "ay" | "at" | "ab"
-        | "alphax" | "alphay" | "alphat" | "alphab" | "linearroughness" => return log(0.002, 1.0, 0.25),
+        | "alphax" | "alphay" | "alphat" | "alphab" | "alphatb" | "linearroughness" => return log(0.002, 1.0, 0.25),
         "a2" | "alpha2" | "alphasq" | "asq" | "alphasquared" | "roughness4" => return log(4e-6, 1.0, 0.0625),
         "f0" | "specularf0" | "specularcolor" | "speccolor" | "r0" | "albedo" | "rho" | "kd" | "ks" | "color"
         | "basecolor" | "diffuse" | "diffusecolor" | "diffusealbedo" | "diffusereflectance" | "reflectance0"
@@ -242,6 +256,7 @@ pub(super) fn known(name: &str, size: usize) -> Option<Known> {
         "ior" | "eta" | "indexofrefraction" => return even(1.01, 3.0, 1.5),
         "shininess" | "exponent" | "specularpower" | "specularexponent" | "power" => return log(1.0, 1000.0, 32.0),
         "glossiness" | "smoothness" | "gloss" => return even(0.0, 0.95, 0.5),
+        "strength" | "clearcoatstrength" | "factor" => return even(0.0, 1.0, 1.0),
         "sigma" => return even(0.0, 1.0, 0.5),
         "f90" | "specularf90" | "reflectance90" | "occlusion" | "ao" | "visibility" | "shadow" | "attenuation"
         | "radiance" | "irradiance" | "lightcolor" | "lightintensity" | "intensity" | "specularweight"
@@ -252,6 +267,20 @@ pub(super) fn known(name: &str, size: usize) -> Option<Known> {
     }
     if name.contains("rough") {
         return even(0.05, 1.0, 0.5);
+    }
+    if name.contains("gloss") || name.contains("smoothness") {
+        return even(0.05, 0.95, 0.5);
+    }
+    if size > 2 {
+        // A colour of any other name: of what is lit, or of what lights it.
+        let neutral = ["radiance", "intensity", "attenuation", "compensation"];
+        if name.contains("emissi") {
+            return Some(Known::Fixed(0.0));
+        }
+        if neutral.iter().any(|part| name.contains(part)) {
+            return Some(Known::Fixed(1.0));
+        }
+        return even(0.0, 1.0, 1.0);
     }
     None
 }
@@ -271,7 +300,7 @@ mod tests {
             (Wo, "wo V v viewDir view_direction eyeVec toEye cameraDir w_o outgoing vViewDir"),
             (Normal, "N n normal vNormal worldNormal geometryNormal normal_ws nrm clearcoatNormal"),
             (Half, "H h halfVector half_vector wh halfDir"),
-            (Tangent, "T X t tangent vTangent"),
+            (Tangent, "T X t tangent vTangent Ta anisotropicT"),
             (Bitangent, "B Y b bitangent binormal"),
         ] {
             for name in names.split(' ') {

@@ -25,8 +25,12 @@ pub(super) struct Slot {
     pub(super) size: usize,
     /// Something that the function reaches reads it.
     needed: bool,
+    /// The function that is named reads it; so does what is no parameter of it.
+    read: bool,
     /// It has a value of its own.
     has_value: bool,
+    /// A matrix from the local frame, in which it is the identity.
+    is_frame: bool,
     pub(super) source: Source,
 }
 
@@ -39,6 +43,8 @@ pub(super) enum Source {
     Numbers(Vec<f64>),
     /// The parameter of this number, in all components.
     Searched(usize),
+    /// The identity.
+    Frame,
 }
 
 /// Every value settled.
@@ -84,7 +90,10 @@ pub(super) fn map(compiled: &Compiled<'_>, options: &Options) -> Result<Mapping,
     for (root, (parameter, written)) in entry.parameters.iter().zip(&entry.written).enumerate() {
         // What GLSL's `out` and `inout` hold is a result first; a pointer of WGSL is how large structs are passed.
         let is_result = *written && compiled.language() == Language::Glsl;
+        let first = mapping.slots.len();
         walk(&parameter.ty, root, &parameter.name, "", true, is_result, compiled, &mut mapping.slots)?;
+        let read = compiled.reads(&parameter.name);
+        mapping.slots.iter_mut().skip(first).for_each(|slot| slot.read = read);
     }
     for (index, input) in compiled.inputs.iter().enumerate() {
         let root = entry.parameters.len() + index;
@@ -114,6 +123,7 @@ pub(super) fn map(compiled: &Compiled<'_>, options: &Options) -> Result<Mapping,
             [None, value, Some(range)] => Some(searched(&slot, range, value, &mut mapping.parameters)?),
             [None, Some(value), None] => Some(Source::Numbers(numbers(&slot, value)?)),
             [None, None, None] if slot.has_value || !slot.needed => Some(Source::Own),
+            [None, None, None] if !slot.read => Some(unread(&slot)),
             [None, None, None] => guessed(&slot, &mut mapping),
         };
         match source {
@@ -204,13 +214,18 @@ fn walk(
         scalar,
         size,
         needed,
+        read: true,
         has_value,
+        is_frame: false,
         source: Source::Own,
     };
     match ty {
         Type::Scalar(scalar) => slots.push(slot(*scalar, 1)),
         Type::Vector { size, scalar } => slots.push(slot(*scalar, *size)),
-        Type::Matrix { .. } => slots.push(slot(Scalar::F32, 0)),
+        Type::Matrix { columns, rows } => {
+            let is_frame = (*columns, *rows) == (3, 3) && name.to_ascii_lowercase().contains("tbn");
+            slots.push(Slot { is_frame, ..slot(Scalar::F32, 0) });
+        }
         // What nobody reads is not spelled out, however large it is.
         _ if !needed => {}
         Type::Array { element, length } => {
@@ -324,8 +339,18 @@ fn searched(slot: &Slot, range: &str, value: Option<&str>, parameters: &mut Vec<
     Ok(Source::Searched(parameters.len() - 1))
 }
 
+/// What nothing depends on: its role, for whoever reads the notes, or 0.
+fn unread(slot: &Slot) -> Source {
+    let role = role(&slot.name, slot.size).filter(|_| slot.scalar == Scalar::F32);
+    role.map_or(Source::Own, Source::Geometry)
+}
+
 /// What the name alone says.
 fn guessed(slot: &Slot, mapping: &mut Mapping) -> Option<Source> {
+    if slot.is_frame {
+        mapping.notes.push(format!("{} = the local frame", slot.path));
+        return Some(Source::Frame);
+    }
     if slot.scalar != Scalar::F32 || slot.size == 0 {
         return None;
     }
@@ -351,6 +376,21 @@ fn guessed(slot: &Slot, mapping: &mut Mapping) -> Option<Source> {
             mapping.parameters.push(Parameter { name: path.clone(), low, high, default, scale });
             Some(Source::Searched(mapping.parameters.len() - 1))
         }
+    }
+}
+
+impl Mapping {
+    /// The slots that are the light or the view by their names alone, not by `--map`.
+    pub(super) fn told_by_names(&self, options: &Options) -> Vec<(String, Role)> {
+        let told = |slot: &Slot| match slot.source {
+            Source::Geometry(role @ Role::Along(Direction::Wi | Direction::Wo, false)) if slot.read => {
+                let mut said = options.maps.iter().filter_map(|map| map.split_once('='));
+                let is_said = said.any(|(name, _)| slot.path.ends_with(name.trim()));
+                (!is_said).then(|| (slot.path.clone(), role))
+            }
+            _ => None,
+        };
+        self.slots.iter().filter_map(told).collect()
     }
 }
 
@@ -381,6 +421,10 @@ impl Slot {
         };
         match &self.source {
             Source::Own => None,
+            Source::Frame if language == Language::Wgsl => {
+                Some("mat3x3<f32>(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)".to_owned())
+            }
+            Source::Frame => Some("mat3(1.0)".to_owned()),
             Source::Geometry(Role::Along(direction, negated)) => {
                 let value = axis(*direction, &float(3));
                 let value = if *negated { format!("(-{value})") } else { value };

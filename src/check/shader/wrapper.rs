@@ -56,7 +56,8 @@ pub(super) fn wrapper(
                 line(format!("{name}{} = {value};", slot.access));
             }
         }
-        if *written {
+        // A pointer of WGSL is mostly how a struct is passed: it holds the result where nothing is returned.
+        if *written && (!wgsl || entry.result.is_none()) {
             collect(&parameter.ty, &parameter.name, &name, &mut places);
         }
         arguments.push(if *written && wgsl { format!("&{name}") } else { name });
@@ -107,6 +108,13 @@ fn collect(ty: &Type, name: &str, expression: &str, places: &mut Vec<Place>) {
     match ty {
         Type::Scalar(Scalar::F32) => {
             places.push(Place { name: name.to_owned(), expression: expression.to_owned(), size: 1 });
+        }
+        // Two numbers are no colour, but each may be the one that is wanted.
+        Type::Vector { size: 2, scalar: Scalar::F32 } => {
+            for part in ["x", "y"] {
+                let name = if name.is_empty() { part.to_owned() } else { format!("{name}.{part}") };
+                places.push(Place { name, expression: format!("{expression}.{part}"), size: 1 });
+            }
         }
         Type::Vector { size, scalar: Scalar::F32 } if *size > 2 => {
             places.push(Place { name: name.to_owned(), expression: expression.to_owned(), size: *size });

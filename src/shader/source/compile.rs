@@ -132,6 +132,9 @@ fn edited(item: &Item, language: Language, is_set: &dyn Fn(&str) -> bool) -> Vec
                 token.text = format!("checked_{}", token.text).into();
             }
         }
+        if item.kind == ItemKind::Function && tokens.first().is_some_and(|ty| ty.is("float")) {
+            tokens = with_float_results(tokens);
+        }
     }
     if item.kind == ItemKind::Override
         && let Some(keyword) = tokens.first().cloned()
@@ -147,10 +150,53 @@ fn edited(item: &Item, language: Language, is_set: &dyn Fn(&str) -> bool) -> Vec
     tokens
 }
 
+/// `return 1;` of a function that returns a float, as `return float(1);`: the conversion that naga leaves out.
+fn with_float_results(tokens: Vec<Token>) -> Vec<Token> {
+    let mut output: Vec<Token> = Vec::with_capacity(tokens.len());
+    let mut at = 0;
+    while let Some(token) = tokens.get(at) {
+        at += 1;
+        output.push(token.clone());
+        let rest = tokens.get(at..).unwrap_or_default();
+        let length = rest.iter().position(|token| token.is(";")).unwrap_or(0);
+        let value = rest.get(..length).unwrap_or_default();
+        let is_float = |token: &Token| token.kind == Kind::Number && token.text.contains(['.', 'e', 'E', 'f', 'F']);
+        if token.is("return") && !value.is_empty() && !value.iter().any(is_float) {
+            let part = |text: &str, kind| Token { spaced: true, leads: false, ..Token::instead(text, kind, token) };
+            output.extend([part("float", Kind::Word), part("(", Kind::Sign)]);
+            output.extend_from_slice(value);
+            output.push(part(")", Kind::Sign));
+            at += length;
+        }
+    }
+    output
+}
+
 impl Compiled<'_> {
     /// Whether a member of this name is used anywhere that the function reaches.
     pub fn uses_member(&self, name: &str) -> bool {
         self.members.contains(name)
+    }
+
+    /// Whether the function does anything with a parameter of this name but declare it.
+    pub fn reads(&self, parameter: &str) -> bool {
+        let root = self.source.units.first().map_or(&[][..], |unit| &unit.items);
+        let own = root.iter().filter(|item| item.kind == ItemKind::Function);
+        let mut own = own.filter(|item| item.names.iter().any(|name| **name == *self.entry.name));
+        own.any(|item| item.tokens.iter().filter(|token| token.is(parameter)).count() > 1)
+    }
+
+    /// Whether the opposite of a parameter of this name is taken somewhere, but for `reflect` and `refract`, which expect it.
+    pub fn negates(&self, parameter: &str) -> bool {
+        let root = self.source.units.first().map_or(&[][..], |unit| &unit.items);
+        root.iter().any(|item| {
+            let word = |at: usize, text: &str| item.tokens.get(at).is_some_and(|token| token.is(text));
+            (3..item.tokens.len()).any(|at| {
+                let opens = word(at - 2, "(") || word(at - 2, ",");
+                let incident = word(at - 3, "reflect") || word(at - 3, "refract");
+                word(at, parameter) && word(at - 1, "-") && opens && !incident
+            })
+        })
     }
 
     /// The language of the source, in which [`Compiled::with`] takes its text.
@@ -195,8 +241,8 @@ impl Compiled<'_> {
                 before.map(str::len).sum::<usize>() + column.saturating_sub(1) as usize
             });
             match offset.and_then(|offset| emitted.origin(offset)) {
-                Some(origin) => SourceError::at(&self.source.files, origin, error.message()),
-                None => SourceError::of(self.name(), error.message()),
+                Some(origin) => SourceError::at(&self.source.files, origin, helped(error.message())),
+                None => SourceError::of(self.name(), helped(error.message())),
             }
         };
         emitted.bounded(&self.source.files)?;
@@ -265,6 +311,18 @@ impl Compiled<'_> {
         }
         Ok(self)
     }
+}
+
+/// A compiler's message, and what to do where a name is missing: engines put files together that do not name each other.
+pub(super) fn helped(message: &str) -> String {
+    let missing = ["Unknown function", "Unknown variable", "Unknown type", "no definition in scope"];
+    if missing.into_iter().any(|start| message.starts_with(start)) {
+        return format!(
+            "{message}; if another file of the renderer has it, give a file of your own that says #include \"…\" for that \
+             one and then for this one; a constant may be said by -D NAME=VALUE"
+        );
+    }
+    message.to_owned()
 }
 
 fn described(module: &naga::Module, function: &naga::Function, name: &str) -> Result<Entry, String> {

@@ -1,5 +1,6 @@
 //! GLSL through naga's front end to WGSL.
 
+use super::compile::helped;
 use super::emit::Emitted;
 use super::error::SourceError;
 use super::lexer::File;
@@ -54,8 +55,8 @@ pub(super) fn parse(emitted: &Emitted, files: &[File]) -> Result<(naga::Module, 
     match parsed.join() {
         Ok(Ok(done)) => Ok(done),
         Ok(Err((message, start))) => Err(match start.and_then(|start| emitted.origin(start)) {
-            Some(origin) => SourceError::at(files, origin, message),
-            None => SourceError::of(file, message),
+            Some(origin) => SourceError::at(files, origin, helped(&message)),
+            None => SourceError::of(file, helped(&message)),
         }),
         Err(_) => Err(SourceError::of(file, "the GLSL compiler (naga) failed on this file")),
     }

@@ -3,6 +3,7 @@
 //! Every import is looked for when a file is loaded; one that is not found matters only if the function reaches it.
 
 use super::error::SourceError;
+use super::features;
 use super::items::{Item, items};
 use super::lexer::{File, Kind, Origin, Token};
 use super::macros::Macros;
@@ -83,6 +84,10 @@ impl Loader<'_> {
         let mut macros = Macros::new(&self.environment.defines)?;
         let done = preprocess(self.files, file, self.language, self.environment, &mut macros)?;
         let Preprocessed { tokens, imports: directives, .. } = done;
+        let tokens = match self.language {
+            Language::Wgsl => features::chosen(tokens, &self.environment.defines, self.files)?,
+            Language::Glsl => tokens,
+        };
         let (items, statements) = items(tokens, self.language, self.files)?;
         let mut imports = Vec::new();
         for statement in statements.iter().chain(&directives) {

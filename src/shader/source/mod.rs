@@ -12,6 +12,7 @@ mod compile;
 mod condition;
 mod emit;
 mod error;
+mod features;
 mod glsl;
 mod imports;
 mod items;

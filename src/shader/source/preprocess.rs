@@ -303,7 +303,7 @@ impl Preprocessor<'_> {
         }
         let beside = self.files.get(index).and_then(|file| file.directory.clone());
         let directories = beside.iter().chain(&self.environment.include);
-        let Some(path) = found(directories.clone(), &wanted) else {
+        let Some(path) = found(directories.clone(), &wanted, self.language) else {
             let looked: Vec<String> = directories.map(|directory| directory.display().to_string()).collect();
             let looked = if looked.is_empty() { "nowhere: no -I is given".to_owned() } else { looked.join(", ") };
             let message =
@@ -325,9 +325,14 @@ pub(super) fn read(path: &Path) -> Result<String, String> {
 }
 
 /// The first file of that name in the directories; names without an ending may lack a shader's.
-fn found<'a>(directories: impl Iterator<Item = &'a PathBuf>, name: &str) -> Option<PathBuf> {
+fn found<'a>(directories: impl Iterator<Item = &'a PathBuf>, name: &str, language: Language) -> Option<PathBuf> {
+    // Engines of both languages have a file of the same name for each, side by side.
+    let endings: &[&str] = match language {
+        Language::Glsl => &["", ".glsl", ".glsl.js", ".fx", ".fs", ".frag"],
+        Language::Wgsl => &["", ".wgsl", ".wesl", ".wgsl.js", ".fx"],
+    };
     for directory in directories {
-        for ending in ["", ".glsl", ".glsl.js", ".wgsl", ".fx", ".fs", ".frag"] {
+        for ending in endings {
             let path = directory.join(format!("{name}{ending}"));
             if path.is_file() {
                 return Some(path);

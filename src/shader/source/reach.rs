@@ -181,8 +181,12 @@ fn names<'a>(source: &Source, unit: usize, item: &'a Item) -> Result<Vec<Found<'
         let refuse = |message: String| Err(SourceError::at(&source.files, token.origin, message));
         match &import.target {
             None => {
+                let file = match import.path.as_slice() {
+                    [.., file, _] => format!("{file}.wesl or {file}.wgsl"),
+                    _ => "it".to_owned(),
+                };
                 return refuse(format!(
-                    "`{text}` is imported from `{path}`, which is not found; give the directory that has it with -I"
+                    "`{text}` is imported from `{path}`, which is not found; give the directory that has {file} with -I"
                 ));
             }
             Some((_, None)) => return refuse(format!("`{text}` is a module, not a declaration")),
