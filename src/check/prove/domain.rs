@@ -91,7 +91,9 @@ impl Domain {
     pub(super) fn middle(&self, axis: usize, edge: Edge) -> f64 {
         match self.axes.get(axis).map(|axis| axis.scale) {
             Some(Scale::Switch) => edge.low,
-            Some(Scale::Logarithmic) if edge.low > 0.0 => (edge.low.sqrt() * edge.high.sqrt()).clamp(edge.low, edge.high),
+            Some(Scale::Logarithmic) if edge.low > 0.0 => {
+                (edge.low.sqrt() * edge.high.sqrt()).clamp(edge.low, edge.high)
+            }
             _ => edge.low + 0.5 * (edge.high - edge.low),
         }
     }
@@ -196,8 +198,7 @@ mod tests {
 
     #[test]
     fn rows_hold_the_directions_of_their_regions() {
-        let roughness =
-            Parameter { name: "a".into(), low: 0.01, high: 1.0, default: 0.5, scale: Scale::Logarithmic };
+        let roughness = Parameter { name: "a".into(), low: 0.01, high: 1.0, default: 0.5, scale: Scale::Logarithmic };
         let domain = Domain::new(&[roughness], Directions { least_cosine: 0.1, isotropic: false });
         let mut state = 1u32;
         let mut random = || {

@@ -41,6 +41,7 @@
 
 #[cfg(feature = "shader")]
 mod builtins;
+mod display;
 mod domain;
 mod enclosure;
 mod search;

@@ -74,9 +74,8 @@ fn ggx_is_proved() {
 #[test]
 fn a_dent_is_found_inside() {
     let Answer::Disproved(witness) = formula("dent", &Dent, &[], &isotropic(100_000)).sign else { panic!() };
-    // The dent is 0.002 wide.
-    assert!((witness.wi.z - 0.62).abs() < 1e-3 && witness.value < 0.0, "{witness:?}");
-    assert_eq!(witness.point, [0.62, 1.0, 0.0]);
+    // The dent is 0.002 wide, and the roundest of it is its middle.
+    assert!(witness.wi.z == 0.62 && witness.value < 0.0, "{witness:?}");
 }
 
 #[test]
@@ -100,8 +99,8 @@ fn what_has_no_value_is_not_finite() {
     let masked = formula("masked", &Masked, &[], &isotropic(1000));
     assert_eq!(masked.sign, Answer::Proved);
     let Answer::Undecided(rest) = masked.finite else { panic!() };
-    // Below 0.5 of 0.05..1.
-    assert!((rest.share - 0.45 / 0.95).abs() < 0.02, "{rest:?}");
+    // Below 0.5 of 0.05..1, and the boxes on its edge.
+    assert!(rest.share > 0.45 / 0.95 && rest.share < 0.55, "{rest:?}");
 }
 
 #[test]
@@ -156,6 +155,18 @@ fn bounds_hold_random_points() {
         }
     }
     assert!(bounded > 1000, "{bounded}");
+}
+
+#[test]
+fn proofs_print_their_box_and_witness() {
+    let text = formula("dent", &Dent, &[], &isotropic(100_000)).to_string();
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines[0], "dent");
+    assert_eq!(lines[1], "  box           cos_i in 0.05..1, cos_o in 0.05..1, phi_i in 0..360, phi_o = 0");
+    assert!(lines[2].starts_with("  not negative  DISPROVED -1e-6 at cos_i = 0.62, "), "{text}");
+    assert_eq!(lines[3], "  finite        PROVED");
+    let text = formula("masked", &Masked, &[], &isotropic(100)).to_string();
+    assert!(text.contains("  finite        UNDECIDED on ") && text.contains("the largest of"), "{text}");
 }
 
 #[test]
