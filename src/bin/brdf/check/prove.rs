@@ -12,7 +12,7 @@ use std::process::ExitCode;
 #[derive(Args)]
 pub(super) struct Prove {
     /// Prove shader functions not negative and finite over the ranges of their parameters, or disprove it by a point
-    /// (docs/plausibility.md).
+    /// (docs/report.md).
     #[arg(long, conflicts_with_all = ["at", "json", "junit", "html", "baseline", "shard"])]
     pub(super) prove: bool,
     /// The least cosine of either direction with the normal that --prove is about.
