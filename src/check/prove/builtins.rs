@@ -1,6 +1,6 @@
 //! WGSL's builtin functions over [`Enclosure`]s: those of the intervals, each with its domain.
 
-use super::enclosure::{Bounds, Enclosure};
+use super::enclosure::{Bounds, Enclosure, above_zero};
 use crate::interval::Ternary;
 use crate::real::Real;
 use crate::shader::interp::{Number, Whole};
@@ -54,10 +54,13 @@ impl Number for Enclosure {
     }
 
     forward! {
-        inverse_sqrt exp_two log_two sine cosine arc_sine arc_cosine arc_tangent tangent_h arc_cosine_h arc_tangent_h
+        inverse_sqrt log_two sine cosine arc_sine arc_cosine arc_tangent tangent_h arc_cosine_h arc_tangent_h
         round_down round_up round_even round_to_zero fraction sign quantized
     }
 
+    fn exp_two(self) -> Self {
+        self.map(|a| above_zero(a.exp_two()))
+    }
     /// Rises or falls in each argument on its own, where the base is not negative: the ends are those of the corners.
     fn power(self, exponent: Self) -> Self {
         let (base, by) = (self.bounds(), exponent.bounds());
@@ -69,7 +72,8 @@ impl Number for Enclosure {
         let values = ends.map(|(x, y)| x.powf(y));
         let low = values.into_iter().fold(f64::INFINITY, f64::min);
         let high = values.into_iter().fold(0.0, f64::max);
-        Self::of(Bounds::rounded(low, high, 0.0), true)
+        let bounds = Bounds::rounded(low, high, 0.0);
+        Self::of(if base.high() > 0.0 { above_zero(bounds) } else { bounds }, true)
     }
     fn tangent(self) -> Self {
         self.sine() / self.cosine()

@@ -92,6 +92,20 @@ impl Enclosure {
     }
 }
 
+/// A product or quotient whose bounds f64 may have rounded to 0: its signs are those of its operands.
+fn underflown(bounds: Bounds, a: Bounds, b: Bounds) -> Bounds {
+    let falls = a.low() < 0.0 && b.high() > 0.0 || a.high() > 0.0 && b.low() < 0.0;
+    let rises = a.high() > 0.0 && b.high() > 0.0 || a.low() < 0.0 && b.low() < 0.0;
+    let low = if falls && bounds.low() == 0.0 { -f64::MIN_POSITIVE } else { bounds.low() };
+    let high = if rises && bounds.high() == 0.0 { f64::MIN_POSITIVE } else { bounds.high() };
+    Bounds::new(low, high)
+}
+
+/// A power, which f64 may have rounded to 0.
+pub(super) fn above_zero(bounds: Bounds) -> Bounds {
+    Bounds::new(bounds.low(), bounds.high().max(f64::MIN_POSITIVE))
+}
+
 impl Add for Enclosure {
     type Output = Self;
     fn add(self, other: Self) -> Self {
@@ -109,14 +123,14 @@ impl Sub for Enclosure {
 impl Mul for Enclosure {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        self.join(other, |a, b| a * b)
+        self.join(other, |a, b| underflown(a * b, a, b))
     }
 }
 
 impl Div for Enclosure {
     type Output = Self;
     fn div(self, other: Self) -> Self {
-        self.join(other, |a, b| a / b)
+        self.join(other, |a, b| underflown(a / b, a, b))
     }
 }
 
@@ -165,7 +179,7 @@ impl Real for Enclosure {
         self.within(self.low() >= 0.0, Real::sqrt)
     }
     fn exp(self) -> Self {
-        self.map(Real::exp)
+        self.map(|a| above_zero(a.exp()))
     }
     fn ln(self) -> Self {
         self.within(self.low() > 0.0, Real::ln)
@@ -279,6 +293,14 @@ mod tests {
         assert_eq!(square.low(), 0.0);
         assert!(square.high() >= 4.0 && square.high() < 4.0 + 1e-14);
         assert_eq!((Enclosure::new(-1.0, 2.0) * Enclosure::new(-1.0, 2.0)).low(), -2.0 - 8.0 * f64::EPSILON);
+    }
+
+    #[test]
+    fn what_underflows_keeps_its_sign() {
+        let [tiny, minus] = [1e-200, -1e-200].map(Enclosure::from_f64);
+        assert!((tiny * minus).low() < 0.0 && (minus * minus).high() > 0.0);
+        assert!((-Enclosure::from_f64(-800.0).exp()).low() < 0.0);
+        assert_eq!((tiny * Enclosure::ZERO).low(), 0.0);
     }
 
     #[test]
