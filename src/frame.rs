@@ -56,13 +56,13 @@ impl<R: Real> Vector<R> {
     /// The squared length.
     #[inline(always)]
     pub fn length_squared(self) -> R {
-        self.dot(self)
+        self.x.squared() + self.y.squared() + self.z.squared()
     }
 
     /// The squared length of the tangential part, sin²θ of a unit direction without cancellation.
     #[inline(always)]
     pub fn sin_squared(self) -> R {
-        self.x * self.x + self.y * self.y
+        self.x.squared() + self.y.squared()
     }
 
     /// The vector divided by its length; the zero vector stays zero.

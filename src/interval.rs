@@ -78,6 +78,12 @@ pub struct Ternary {
     may_hold: bool,
 }
 
+impl Ternary {
+    /// Nothing is known.
+    #[cfg(feature = "check")]
+    pub(crate) const OPEN: Self = Ternary { may_fail: true, may_hold: true };
+}
+
 impl<T: AccuracyTable> Interval<T> {
     /// Anything at all.
     pub(crate) const UNKNOWN: Self = Self::new(f64::NEG_INFINITY, f64::INFINITY);

@@ -51,12 +51,12 @@ impl<W: Real> Twofold<W> {
     /// a², exactly.
     #[inline(always)]
     pub(crate) fn square(a: W) -> Self {
-        Self::product(a, a)
+        if W::CARRIES { Self::from(a.product_exact(a)) } else { Self::new(a.squared()) }
     }
 
     #[inline(always)]
     pub(crate) fn squared(self) -> Self {
-        self * self
+        if W::CARRIES { self * self } else { Self::new(self.high.squared()) }
     }
 
     /// √x, 0 below 0.

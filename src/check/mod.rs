@@ -40,6 +40,7 @@ mod marginals;
 pub mod merl;
 pub mod output;
 pub mod pairs;
+pub mod prove;
 mod quadrature;
 pub mod reciprocity;
 pub mod report;

@@ -4,6 +4,7 @@ mod again;
 mod pinned;
 mod place;
 pub(crate) mod portrait;
+mod prove;
 mod shaders;
 pub(crate) mod subjects;
 pub(crate) mod terminal;
@@ -51,6 +52,8 @@ pub(crate) struct Options {
     /// `,NAME=VALUE`.
     #[arg(long, value_parser = place::At::parse, conflicts_with_all = ["shard", "baseline", "json", "junit", "html"])]
     at: Option<place::At>,
+    #[command(flatten)]
+    prove: prove::Prove,
     /// Judge on the CPU alone.
     #[arg(long)]
     no_twins: bool,
@@ -132,6 +135,9 @@ fn shard(text: &str) -> Result<Shard, String> {
 
 pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
     let sources = options.reading.sources()?;
+    if options.prove.prove {
+        return prove::run(&options.prove, &options.reading, &sources);
+    }
     let baseline = options.baseline.as_deref().map(read_run).transpose()?;
     let twins = Twins::open(options.no_twins, options.adapter.as_deref())?;
     if let Some(at) = &options.at {

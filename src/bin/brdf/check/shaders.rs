@@ -1,6 +1,7 @@
 //! Shader functions as subjects, from the arguments.
 
 use super::subjects::{Judged, Loaded, Shared};
+use brdf::check::prove::{self, ShaderFormula};
 use brdf::check::shader::{Language, Options, Returns, ShaderFamily};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -91,12 +92,16 @@ impl Shaders {
         };
         let family = ShaderFamily::load(Path::new(path), &options).map_err(|error| error.to_string())?;
         let family = Arc::new(family);
-        let (faulty, run) = (Arc::clone(&family), Arc::clone(&family));
+        let (faulty, run, proved) = (Arc::clone(&family), Arc::clone(&family), Arc::clone(&family));
         let kind = if language == Language::Wgsl { "WGSL" } else { "GLSL" };
         Ok(Loaded {
             notes: family.notes().to_vec(),
             fault: Some(Box::new(move || faulty.error().map(str::to_owned))),
             gpu: Some(Box::new(move |gpu, values, pairs| run.evaluate_on(gpu, values, pairs).ok())),
+            prove: Some(Box::new(move |options| {
+                let formula = ShaderFormula::new(&proved).map_err(|error| error.to_string())?;
+                Ok(prove::prove(&formula, options))
+            })),
             ..Loaded::new(Judged::Family(Box::new(Shared(family))), kind)
         })
     }

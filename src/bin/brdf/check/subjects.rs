@@ -92,14 +92,27 @@ pub(super) struct Loaded {
     pub(super) notes: Vec<String>,
     /// Runs the member with these values on an adapter.
     pub(super) gpu: Option<Box<RunOnGpu>>,
+    /// Tries to prove it finite and not negative.
+    pub(super) prove: Option<Box<Prove>>,
 }
+
+type Prove = dyn Fn(&check::prove::Options) -> Result<check::prove::Proof, String>;
 
 /// f of every channel of many pairs, one after the other, for the values of the parameters.
 type RunOnGpu = dyn Fn(&Gpu, &[f64], &[(Vector<f32>, Vector<f32>)]) -> Option<Vec<f32>>;
 
 impl Loaded {
     pub(super) fn new(judged: Judged, kind: impl Into<String>) -> Self {
-        Loaded { judged, kind: kind.into(), stack: None, profile: None, fault: None, notes: Vec::new(), gpu: None }
+        Loaded {
+            judged,
+            kind: kind.into(),
+            stack: None,
+            profile: None,
+            fault: None,
+            notes: Vec::new(),
+            gpu: None,
+            prove: None,
+        }
     }
 
     /// The first error of an evaluation, if there was one.

@@ -92,7 +92,7 @@ impl<'a, N: Number> Lowering<'a, N> {
             let (Slot::Real(a), Slot::Real(b)) = (a, b) else {
                 return Err(self.unsupported(scope, "a product of this type"));
             };
-            let product = self.real2(scope, |o, a, b| zip(o, a, b, |a: N, b| a * b), *a, *b)?;
+            let product = self.real2(scope, product(*a, *b), *a, *b)?;
             sum = Some(match sum {
                 None => product,
                 Some(sum) => self.real2(scope, |o, a, b| zip(o, a, b, |a: N, b| a + b), sum, product)?,
@@ -146,7 +146,7 @@ impl<'a, N: Number> Lowering<'a, N> {
         let f: super::Real2<N> = match op {
             Op::Add => |o, a, b| zip(o, a, b, |a, b| a + b),
             Op::Subtract => |o, a, b| zip(o, a, b, |a, b| a - b),
-            Op::Multiply => |o, a, b| zip(o, a, b, |a, b| a * b),
+            Op::Multiply => product(a, b),
             Op::Divide => |o, a, b| zip(o, a, b, |a, b| a / b),
             Op::Modulo => |o, a, b| zip(o, a, b, Number::remainder),
             _ => {
@@ -299,6 +299,11 @@ impl<'a, N: Number> Lowering<'a, N> {
         }
         Ok(Rc::from(results))
     }
+}
+
+/// The product of two registers. That of one with itself is a square, which bounds know not to be negative.
+fn product<N: Number>(a: u32, b: u32) -> super::Real2<N> {
+    if a == b { |o, a, b| zip(o, a, b, |a: N, _| a.squared()) } else { |o, a, b| zip(o, a, b, |a, b| a * b) }
 }
 
 /// An operator on words, with its operands in the order that it takes them.
