@@ -22,8 +22,8 @@
 //!
 //! Albedos come from an adaptive cubature on a chart in which lobes at the mirror direction cannot hide, and from a
 //! randomised quasi-Monte Carlo estimate that must agree ([`energy`]). A narrow lobe anywhere else is found if it can be
-//! climbed to from the mirror, the retro direction, the normal or some fifty others, and can otherwise be missed. Every
-//! other check samples, in double precision. A pass says what was looked at; it is not a proof.
+//! climbed to from the mirror, the retro direction, the normal or some fifty others, and then has a chart of its own; it
+//! can otherwise be missed. Every other check samples, in double precision. A pass says what was looked at; it is not a proof.
 
 mod atlas;
 mod chart;

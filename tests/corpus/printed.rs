@@ -215,3 +215,12 @@ fn our_stacks_do_not() {
         of(StackSubject::new("copper under a coat, coupled", copper(0.1, 0.1, Model::Coupled))),
     ]);
 }
+
+#[test]
+fn built_in_stacks_pass() {
+    for material in brdf::material::stack::built_in() {
+        let report = check(&StackSubject::new(material.name, material.stack), &Options::default());
+        println!("{} {}", material.name, report.verdict());
+        assert_eq!(report.verdict(), Verdict::Pass, "{report}");
+    }
+}
