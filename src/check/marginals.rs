@@ -140,30 +140,7 @@ pub(super) fn energy(subject: &dyn Subject, plan: &Plan<'_>) -> Energy {
         })
         .collect();
     evaluations += results.iter().map(|(_, evaluations)| evaluations).sum::<usize>();
-    let mut findings: Vec<Finding> = results.into_iter().map(|(finding, _)| finding).collect();
-    findings.iter_mut().for_each(|finding| doubt_table(finding, &albedos));
-    Energy { findings, albedos, evaluations, watch }
-}
-
-/// Makes a failure inconclusive that looks like a table's: white within [`WHITE`] at every angle up to 85°, and over the limit by
-/// no more than [`TABULATED`] at grazing.
-///
-/// Compensated models (Kulla & Conty 2017) are 1 but for the interpolation of their table of albedos, which bends most where
-/// the last entries are. From f alone that is not told from a gain, and a finer table removes it.
-fn doubt_table(finding: &mut Finding, albedos: &[Albedo]) {
-    const WHITE: f64 = 1e-3;
-    const TABULATED: f64 = 5e-3;
-    let Place::Marginal { theta, fixed, .. } = finding.place else { return };
-    let (channel, _) = finding.channel.clone().unwrap_or_default();
-    let mut others = albedos.iter().filter(|albedo| albedo.fixed == fixed && albedo.theta <= 85.0).peekable();
-    let white = others.peek().is_some()
-        && others.all(|albedo| albedo.value.get(channel).is_some_and(|value| (value - 1.0).abs() <= WHITE));
-    if finding.verdict == Verdict::Fail && theta > 88.0 && finding.value <= 1.0 + TABULATED && white {
-        finding.verdict = Verdict::Inconclusive;
-        finding.note = format!(
-            "white to {WHITE:e} up to 85°: a table of albedos is too coarse at grazing, or energy is gained there"
-        );
-    }
+    Energy { findings: results.into_iter().map(|(finding, _)| finding).collect(), albedos, evaluations, watch }
 }
 
 /// Angles that leave no gap between these of more than `step`.
