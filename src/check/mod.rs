@@ -164,7 +164,8 @@ pub fn check(subject: &dyn Subject, options: &Options<'_>) -> Report {
 ///
 /// The box of the parameters is searched together with the angles and the pairs of directions: its corners, then evenly, then
 /// uphill. The default member and the worst ones, their parameters made round, go through [`check`]. A family without
-/// parameters is checked as its one member; with them it takes up to three times [`Options::budget`].
+/// parameters is checked as its one member; with them it takes about three times [`Options::budget`], and
+/// more where integrals stay unclear.
 pub fn check_family(family: &dyn Family, options: &Options<'_>) -> Report {
     search::check_family(family, options)
 }
