@@ -139,7 +139,9 @@ fn a_total_reflection_over_a_mirror_gains_energy() {
         // The judge finds it, though it lies between the angles that it integrates at first.
         let report = check::check(&subject, &check::Options::default());
         let found = report.energy(Fixed::Light).unwrap();
-        assert!(report.verdict() == Verdict::Fail && (found.value - peak).abs() < 0.005, "{report}");
+        // Half a degree from the peak above it is another .005.
+        let more = found.value - peak;
+        assert!(report.verdict() == Verdict::Fail && (-1e-3..0.01).contains(&more), "{report}");
     }
 }
 

@@ -7,6 +7,7 @@
 //! variate, Owen & Zhou 2000), so the points measure what the cubature is wrong by. The estimate is unbiased whatever the
 //! cubature saw; what the panels miss, the other densities still meet.
 
+use super::atlas::Share;
 use super::chart::Chart;
 use super::lobes::Lobe;
 use super::quadrature::Cubature;
@@ -31,6 +32,8 @@ pub(super) struct Mixture<'a> {
     pub(super) chart: &'a Chart,
     pub(super) panels: &'a Cubature,
     pub(super) lobes: &'a [Lobe],
+    /// What of f the chart integrates.
+    pub(super) share: Share<'a>,
 }
 
 /// The mean of each channel and its standard error.
@@ -76,8 +79,9 @@ impl Mixture<'_> {
                 probe.evaluate(&directions, &mut values);
                 for (&Draw { v, at, weight, density }, f) in draws.iter().zip(values.chunks_exact(channels)) {
                     self.panels.model(at, &mut model);
+                    let share = self.share.of(v);
                     for ((mean, f), model) in mean.iter_mut().zip(f).zip(&model) {
-                        let excess = (f - model / weight) / density;
+                        let excess = (share * f - model / weight) / density;
                         if excess.abs() > least {
                             witnesses.push((excess.abs(), v));
                         }

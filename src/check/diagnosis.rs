@@ -216,7 +216,7 @@ fn asymmetry(subject: &dyn Subject, report: &Report, seed: u32) -> Option<Cause>
         pairs.extend([(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)]);
     }
     let f = values(subject, &pairs);
-    let (mut by_light, mut by_view, mut one_sided, mut seen) = (true, true, true, 0);
+    let (mut by_light, mut by_view, mut one_sided, mut of_light, mut seen) = (true, true, true, true, 0);
     for (triple, f) in pairs.chunks_exact(6).zip(f.chunks_exact(6 * n)) {
         for channel in 0..n {
             let at = |i: usize| f[i * n + channel];
@@ -229,6 +229,7 @@ fn asymmetry(subject: &dyn Subject, report: &Report, seed: u32) -> Option<Cause>
             by_light &= same(at(0) / a.z, at(1) / b.z);
             by_view &= same(at(0) / b.z, at(1) / a.z);
             one_sided &= same(at(0) * at(2) * at(4), at(1) * at(3) * at(5));
+            of_light &= same(at(0), at(5)) && same(at(1), at(2)) && same(at(3), at(4));
         }
     }
     if seen < TRIPLES / 8 {
@@ -246,7 +247,8 @@ fn asymmetry(subject: &dyn Subject, report: &Report, seed: u32) -> Option<Cause>
     }
     if by_view && stripped(|_, wo| 1.0 / wo.z) < 1.03 * PI {
         Some(Cause::Swapped)
-    } else if one_sided && !fails(Fixed::View) && fails(Fixed::Light) {
+    } else if one_sided && !of_light && !fails(Fixed::View) && fails(Fixed::Light) {
+        // A function of the light alone is the same for every view too, and nothing is scaled.
         Some(Cause::ViewScaled)
     } else if one_sided {
         Some(Cause::OneSided)

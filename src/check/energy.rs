@@ -1,9 +1,10 @@
 //! Directional albedo of both marginals, with an error that can be believed.
 //!
 //! A = ∫ f cosθ dω over one direction with the other one fixed, in three steps: find the lobes; integrate adaptively on
-//! the half-vector chart, cut finely around the lobes beforehand; integrate again by randomised quasi-Monte Carlo. Where
-//! the two disagree, neither is believed.
+//! the half-vector chart, and on one more about each narrow lobe off the mirror direction, cut finely around the wider lobes
+//! beforehand; integrate again by randomised quasi-Monte Carlo. Where the two disagree, neither is believed.
 
+use super::atlas::{Atlas, Share};
 use super::chart::Chart;
 use super::crosscheck::Mixture;
 use super::lobes::{self, Lobe};
@@ -115,7 +116,12 @@ pub(super) fn watched(subject: &dyn Subject, theta: f64, phi: f64, fixed: Fixed,
     let mut probe = Probe::new(Section { subject, direction, fixed });
     let mut lobes = lobes::find(&mut probe, effort.replicates > 0);
     for last in [false, true] {
-        let witnesses = integrate(&mut probe, &lobes, effort, &mut result);
+        let atlas = Atlas::new(direction, &lobes);
+        clear(&mut result, subject.channels());
+        let mut witnesses = Vec::new();
+        for share in atlas.shares() {
+            witnesses.extend(integrate(&mut probe, &lobes, share, effort, &mut result));
+        }
         if result.agrees || last {
             break;
         }
@@ -127,18 +133,34 @@ pub(super) fn watched(subject: &dyn Subject, theta: f64, phi: f64, fixed: Fixed,
     (result, probe.watch)
 }
 
-/// One cubature with its cross-check. Returns the directions of the samples that contradict the cubature most.
-fn integrate(probe: &mut Probe<'_>, lobes: &[Lobe], effort: &Effort, result: &mut Albedo) -> Vec<Vector<f64>> {
+/// An albedo of 0, without an error, to add the shares of charts to.
+fn clear(result: &mut Albedo, channels: usize) {
+    for each in [&mut result.value, &mut result.error, &mut result.cross_check, &mut result.standard_error] {
+        each.clear();
+        each.resize(channels, 0.0);
+    }
+    result.agrees = true;
+}
+
+/// One cubature with its cross-check, of what one chart has a share in; adds to `result`. Returns the directions of the samples
+/// that contradict the cubature most.
+fn integrate(
+    probe: &mut Probe<'_>,
+    lobes: &[Lobe],
+    share: Share<'_>,
+    effort: &Effort,
+    result: &mut Albedo,
+) -> Vec<Vector<f64>> {
     let direction = probe.section.direction;
     let channels = probe.section.subject.channels();
-    let chart = Chart::new(direction);
+    let chart = share.chart();
     // Without a second opinion it is a glance, that starts from wider panels.
     let glance = effort.replicates < 2 || effort.samples == 0;
     let coarse = glance && effort.evaluations < GLANCED;
     let rings = chart.rings(if coarse { 2.0 } else { 1.0 });
     let sectors: &[f64] = if coarse { &Chart::HALVES } else { &Chart::SECTORS };
     let mut panels = Cubature::new(channels, [&rings, sectors]);
-    for lobe in lobes {
+    for lobe in lobes.iter().filter(|lobe| !share.is_of_another(lobe)) {
         focus(&mut panels, &chart, lobe);
     }
     let (mut directions, mut weights) = (Vec::new(), Vec::new());
@@ -147,9 +169,10 @@ fn integrate(probe: &mut Probe<'_>, lobes: &[Lobe], effort: &Effort, result: &mu
         weights.clear();
         directions.clear();
         for point in points {
-            weights.push(point.weight);
             // Below the horizon by rounding: the fixed direction stands in, and weighs nothing.
-            directions.push(if point.weight > 0.0 { point.v } else { direction });
+            let above = point.weight > 0.0;
+            weights.push(if above { point.weight * share.of(point.v) } else { 0.0 });
+            directions.push(if above { point.v } else { direction });
         }
         probe.evaluate(&directions, f);
         for (f, weight) in f.chunks_exact_mut(channels).zip(&weights) {
@@ -157,17 +180,19 @@ fn integrate(probe: &mut Probe<'_>, lobes: &[Lobe], effort: &Effort, result: &mu
         }
     });
     let (value, bound) = panels.result();
-    result.agrees = true;
-    result.error = bound.clone();
-    result.value = value;
+    let add = |to: &mut [f64], of: &[f64]| to.iter_mut().zip(of).for_each(|(to, of)| *to += of);
+    add(&mut result.value, &value);
     if glance {
+        add(&mut result.error, &bound);
+        result.cross_check.clear();
+        result.standard_error.clear();
         return Vec::new();
     }
     panels.weigh();
-    let mixture = Mixture { chart: &chart, panels: &panels, lobes };
+    let mixture = Mixture { chart: &chart, panels: &panels, lobes, share };
     let estimate = mixture.integrate(probe, effort.replicates, effort.samples, effort.seed);
     for (c, &bound) in bound.iter().enumerate() {
-        let (value, spread) = (result.value[c], estimate.standard_error[c]);
+        let (value, spread) = (value[c], estimate.standard_error[c]);
         let apart = (value - estimate.mean[c]).abs();
         // Sixteen replicates: one in a thousand honest means lies more than 4.07 standard errors off (Student, 15 degrees
         // of freedom). The floor admits a standard error that is 0 by luck.
@@ -175,11 +200,11 @@ fn integrate(probe: &mut Probe<'_>, lobes: &[Lobe], effort: &Effort, result: &mu
         // A second opinion that spans everything confirms nothing.
         let agrees = near && 4.07 * spread <= PRECISE * value.abs().max(1.0);
         let distance = apart + 3.0 * spread;
-        result.error[c] = if agrees { bound.min(distance) } else { bound.max(distance) };
+        result.error[c] += if agrees { bound.min(distance) } else { bound.max(distance) };
         result.agrees &= agrees;
+        result.cross_check[c] += estimate.mean[c];
+        result.standard_error[c] = result.standard_error[c].hypot(spread);
     }
-    result.cross_check = estimate.mean;
-    result.standard_error = estimate.standard_error;
     estimate.witnesses
 }
 

@@ -14,6 +14,8 @@ pub(super) struct Lobe {
     pub(super) direction: Vector<f64>,
     /// Chord from the maximum to half of it, in the direction where that is nearest.
     pub(super) width: f64,
+    /// f·cosθ at the maximum, summed over the channels.
+    pub(super) height: f64,
 }
 
 /// Radii of the probes around an anchor, from the width of α = 1e-4 up.
@@ -99,7 +101,7 @@ fn measured(probe: &mut Probe<'_>, tops: &[Climber]) -> Vec<Lobe> {
             }
         }
     }
-    tops.iter().zip(radii).map(|(top, width)| Lobe { direction: top.at, width }).collect()
+    tops.iter().zip(radii).map(|(top, width)| Lobe { direction: top.at, width, height: top.top }).collect()
 }
 
 fn step_from(v: Vector<f64>, frame: &Frame<f64>, a: f64, b: f64) -> Vector<f64> {

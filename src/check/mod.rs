@@ -22,9 +22,10 @@
 //!
 //! Albedos come from an adaptive cubature on a chart in which lobes at the mirror direction cannot hide, and from a
 //! randomised quasi-Monte Carlo estimate that must agree ([`energy`]). A narrow lobe anywhere else is found if it can be
-//! climbed to from the mirror, the retro direction, the normal or some fifty others, and can otherwise be missed. Every
-//! other check samples, in double precision. A pass says what was looked at; it is not a proof.
+//! climbed to from the mirror, the retro direction, the normal or some fifty others, and then has a chart of its own; it
+//! can otherwise be missed. Every other check samples, in double precision. A pass says what was looked at; it is not a proof.
 
+mod atlas;
 mod chart;
 #[cfg(test)]
 mod corpus;
@@ -50,6 +51,7 @@ mod search;
 #[cfg(feature = "shader")]
 pub mod shader;
 pub mod sniff;
+mod space;
 mod stack;
 pub mod subject;
 mod table;
@@ -164,7 +166,8 @@ pub fn check(subject: &dyn Subject, options: &Options<'_>) -> Report {
 ///
 /// The box of the parameters is searched together with the angles and the pairs of directions: its corners, then evenly, then
 /// uphill. The default member and the worst ones, their parameters made round, go through [`check`]. A family without
-/// parameters is checked as its one member; with them it takes up to three times [`Options::budget`].
+/// parameters is checked as its one member; with them it takes about three times [`Options::budget`], and
+/// more where integrals stay unclear.
 pub fn check_family(family: &dyn Family, options: &Options<'_>) -> Report {
     search::check_family(family, options)
 }
@@ -350,5 +353,46 @@ mod tests {
         assert_eq!(verdict(Profile::Strict), Verdict::Fail);
         assert_eq!(verdict(Profile::Realtime), Verdict::Pass);
         assert_eq!(verdict(Profile::Term), Verdict::Pass);
+    }
+
+    #[test]
+    fn measurements_are_judged_within_their_own_error() {
+        // 1.003 reflected, 5e-4 below 0 near grazing, and no data for it to be reciprocal.
+        let subject = super::corpus::one("measured", |wi, wo| {
+            let albedo = if wi.z.min(wo.z) < 0.05 { -5e-4 } else { 1.003 / core::f64::consts::PI };
+            albedo * (1.0 + 1e-6 * wi.z)
+        });
+        let with = |profile, tolerance| check(&subject, &Options { profile, tolerance, ..Options::default() });
+        let report = with(Profile::Measured, 5e-3);
+        assert_eq!(report.verdict(), Verdict::Pass, "{report}");
+        let reciprocity = report.finding(Check::Reciprocity);
+        assert!(reciprocity.is_some_and(|f| f.verdict == Verdict::Fail && !f.binding), "{report}");
+        let sign = report.finding(Check::Sign);
+        assert!(sign.is_some_and(|f| f.value < 0.0 && f.limit == -5e-3), "{report}");
+        // An error of the data that is less than what they are off by.
+        for tolerance in [1e-4, 4e-4] {
+            let report = with(Profile::Measured, tolerance);
+            assert_eq!(report.finding(Check::Sign).map(|f| f.verdict), Some(Verdict::Fail), "{report}");
+        }
+        assert_eq!(with(Profile::Strict, 5e-3).verdict(), Verdict::Fail);
+    }
+
+    #[test]
+    fn distributions_are_normalised() {
+        let term = Options { profile: Profile::Term, distribution: true, ..Options::default() };
+        for (scale, verdict) in [(1.0, Verdict::Pass), (core::f64::consts::PI, Verdict::Fail), (0.9, Verdict::Fail)] {
+            for alpha in [1e-3, 0.3, 1.0] {
+                let subject = super::corpus::one("D", move |wi, _| scale * super::corpus::ggx(wi, alpha));
+                let report = check(&subject, &term);
+                let found = report.finding(Check::Normalisation);
+                assert!(
+                    found.is_some_and(|f| f.verdict == verdict && (f.value / scale - 1.0).abs() < 1e-3),
+                    "{report}"
+                );
+                assert_eq!(report.verdict(), verdict, "{report}");
+                let plain = check(&subject, &Options { distribution: false, ..term });
+                assert!(plain.finding(Check::Normalisation).is_none() && plain.verdict() == Verdict::Pass, "{plain}");
+            }
+        }
     }
 }

@@ -15,6 +15,7 @@ mod grid;
 mod microfacet;
 mod printed;
 mod stacks;
+mod strangers;
 mod trials;
 
 use brdf::Vector;

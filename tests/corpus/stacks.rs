@@ -18,8 +18,8 @@ fn a_coat_of_index_1_is_no_coat() {
     ];
     for model in CLOSED {
         for base in &bases {
-            let coated = stack(model, vec![Layer::new(Interface::dielectric(1.0, 0.1)), base]);
-            let bare = stack(model, vec![base]);
+            let coated = stack(model, vec![Layer::new(Interface::dielectric(1.0, 0.1)), *base]);
+            let bare = stack(model, vec![*base]);
             let finding = limits::agreement(&coated, &bare, 128, 5, limits::AGREEMENT);
             assert_eq!(finding.verdict, Verdict::Pass, "{} {base:?}: {finding}", model.name());
         }

@@ -2,7 +2,7 @@
 
 use crate::microfacet::{ggx, ggx_smith, smith};
 use crate::{Case, Energy, judge_all, one};
-use brdf::check::{Cause, Check};
+use brdf::check::{Cause, Check, Options, Verdict, check};
 use brdf::{Vector, half_vector};
 use std::f64::consts::{FRAC_1_PI, PI};
 
@@ -35,8 +35,7 @@ fn narrow_lobes() {
             let mirrored = Vector::new(-wo.x, -wo.y, wo.z);
             ggx(half_vector(wi, mirrored), alpha) * smith(wi, mirrored, alpha, alpha)
         };
-        // Away from the mirror so narrow a lobe with long tails is not always resolved; it must then be said.
-        cases.push(one(format!("retro α={alpha}"), retro).energy(Energy::NotFail));
+        cases.push(one(format!("retro α={alpha}"), retro).energy(Energy::Pass));
         cases.push(
             one(format!("1.2·retro α={alpha}"), move |wi, wo| 1.2 * retro(wi, wo)).energy(Energy::Fail(1.2, 0.01)),
         );
@@ -49,7 +48,7 @@ fn narrow_lobes() {
             ggx(half_vector(wi, wo), alpha) * smith(wi, wo, alpha, alpha)
         }
     };
-    cases.push(one("turned mirror 40° α=.01", turned(40.0, 0.01)).energy(Energy::NotFail).fails(Check::Reciprocity));
+    cases.push(one("turned mirror 40° α=.01", turned(40.0, 0.01)).energy(Energy::Pass).fails(Check::Reciprocity));
     judge_all(&cases);
 }
 
@@ -66,7 +65,8 @@ fn bumps_in_theta() {
     };
     judge_all(&[
         one("ring at 52.3°, 4°", ring(52.3, 4.0, 1.3)).energy(Energy::Fail(1.3, 0.01)),
-        one("ring at 52.3°, .5°", ring(52.3, 0.5, 1.3)).energy(Energy::NotPass),
+        one("ring at 52.3°, .5°", ring(52.3, 0.5, 1.3)).energy(Energy::Over),
+        // A circle of 1e-3 rad across the chart takes more panels than there are: it must be said.
         one("ring at 37.77°, .15°", ring(37.77, 0.15, 1.3)).energy(Energy::NotPass),
         one("ring over Lambert .5", move |wi, wo| 0.5 * FRAC_1_PI + ring(66.6, 0.3, 0.8)(wi, wo)).energy(Energy::Over),
         one("ring, .9", ring(52.3, 0.5, 0.9)),
@@ -75,15 +75,33 @@ fn bumps_in_theta() {
     ]);
 }
 
+/// NaN where either direction is within `radius` of one.
+fn hole(theta: f64, phi: f64, radius: f64) -> impl Fn(Vector<f64>, Vector<f64>) -> f64 + Send + Sync {
+    let centre = at(theta, phi);
+    move |wi, wo| {
+        let inside = |v: Vector<f64>| (v - centre).length_squared() < radius * radius;
+        if inside(wi) || inside(wo) { f64::NAN } else { 0.5 * FRAC_1_PI }
+    }
+}
+
+#[test]
+fn what_is_too_small_to_be_met_is_not_excluded() {
+    let radius = 1e-3;
+    let subject = one("NaN within 1e-3 of a direction", hole(41.0, 77.0, radius)).subject;
+    for seed in crate::SEEDS {
+        let report = check(&*subject, &Options { seed, ..Options::default() });
+        println!("{report}");
+        let found = report.finding(Check::Finite).is_some_and(|finding| finding.verdict == Verdict::Fail);
+        // Either direction, of projected solid angle π r² cosθ.
+        let measure = 2.0 * radius * radius * 41f64.to_radians().cos();
+        let excluded = 3.0 / report.coverage.pairs as f64;
+        let said = report.to_string().contains("smaller regions are not excluded");
+        assert!(found || (measure < excluded && said), "{report}");
+    }
+}
+
 #[test]
 fn dents_steps_and_holes() {
-    let hole = |theta: f64, phi: f64, radius: f64| {
-        let centre = at(theta, phi);
-        move |wi: Vector<f64>, wo: Vector<f64>| {
-            let inside = |v: Vector<f64>| (v - centre).length_squared() < radius * radius;
-            if inside(wi) || inside(wo) { f64::NAN } else { 0.5 * FRAC_1_PI }
-        }
-    };
     judge_all(&[
         one("NaN within 1e-3 of the normal", hole(0.0, 0.0, 1e-3)).energy(Energy::Any).fails(Check::Finite).any_cause(),
         one("NaN within .02 of a direction", hole(41.0, 77.0, 0.02))
