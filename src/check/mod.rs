@@ -23,7 +23,8 @@
 //! Albedos come from an adaptive cubature on a chart in which lobes at the mirror direction cannot hide, and from a
 //! randomised quasi-Monte Carlo estimate that must agree ([`energy`]). A narrow lobe anywhere else is found if it can be
 //! climbed to from the mirror, the retro direction, the normal or some fifty others, and then has a chart of its own; it
-//! can otherwise be missed. Every other check samples, in double precision. A pass says what was looked at; it is not a proof.
+//! can otherwise be missed. A ring about the normal is found from half a degree of width on; one of .15° was passed once
+//! in three seeds. Every other check samples, in double precision. A pass says what was looked at; it is not a proof.
 
 mod atlas;
 mod chart;

@@ -39,8 +39,6 @@ enum Energy {
     Over,
     /// It must not fail.
     NotFail,
-    /// It must not pass: what it is made of is finer than the judge resolves at this budget, and it must know.
-    NotPass,
     /// Whatever the grid says.
     Grid,
     /// It is not looked at: a defect makes it meaningless.
@@ -112,7 +110,6 @@ impl Case {
                 }
                 Energy::Over => finding.verdict == Verdict::Fail,
                 Energy::NotFail => finding.verdict != Verdict::Fail,
-                Energy::NotPass => finding.verdict != Verdict::Pass,
                 Energy::Grid => grid::agrees(&*self.subject, fixed, finding),
                 Energy::Any => true,
             };

@@ -119,7 +119,9 @@ mod tests {
 
     #[test]
     fn builtins_hold_their_images() {
-        let functions: [(fn(Enclosure) -> Enclosure, fn(f64) -> f64, f64, f64); 12] = [
+        // A function, what it encloses, and the domain that it is tried on.
+        type Case = (fn(Enclosure) -> Enclosure, fn(f64) -> f64, f64, f64);
+        let functions: [Case; 12] = [
             (Number::inverse_sqrt, |x| 1.0 / x.sqrt(), 0.1, 3.0),
             (Number::exp_two, f64::exp2, -3.0, 3.0),
             (Number::log_two, f64::log2, 0.1, 3.0),

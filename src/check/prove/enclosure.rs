@@ -231,19 +231,19 @@ impl Real for Enclosure {
     fn interpolate<const C: usize>(self, nodes: &[[f64; C]]) -> [Self; C] {
         if self.total { self.bounds.interpolate(nodes).map(|value| Self::of(value, true)) } else { [Self::ANYTHING; C] }
     }
-    fn piecewise<const C: usize>(self, cells: usize, value: impl Fn(usize, Self) -> [Self; C]) -> [Self; C] {
-        if !self.total {
-            return [Self::ANYTHING; C];
+    fn linear<const C: usize>(self, cells: usize, ends: impl Fn(usize) -> [[f64; 2]; C]) -> [Self; C] {
+        if self.total {
+            self.bounds.linear(cells, ends).map(|value| Self::of(value, true))
+        } else {
+            [Self::ANYTHING; C]
         }
-        let cell = |end: f64| (end as usize).min(cells.saturating_sub(1));
-        let at = |cell: usize| value(cell, (self - Self::from_f64(cell as f64)).saturate());
-        let (first, last) = (cell(self.low()), cell(self.high()));
-        (first + 1..=last).fold(at(first), |mut hull, cell| {
-            for (hull, value) in hull.iter_mut().zip(at(cell)) {
-                *hull = hull.either(value);
-            }
-            hull
-        })
+    }
+    fn bilinear([x, y]: [Self; 2], cells: [usize; 2], node: impl Fn(usize, usize) -> f64) -> Self {
+        if x.total && y.total {
+            Self::of(Real::bilinear([x.bounds, y.bounds], cells, node), true)
+        } else {
+            Self::ANYTHING
+        }
     }
     fn product_wide(a: Self, b: Self) -> (Self, Self) {
         a.product_exact(b)

@@ -32,7 +32,11 @@ of_light!(Pole, x, R, R::ONE / (x - R::from_f64(0.3)));
 of_light!(DoublePole, x, R, R::ONE / (x - R::from_f64(0.3)).squared());
 of_light!(Root, x, R, (x - R::from_f64(0.5)).sqrt());
 of_light!(Masked, x, R, (x - R::from_f64(0.5)).ln().max(R::ZERO).min(R::ONE));
-of_light!(Cancelling, x, R, (x - x).abs() - (x - x).abs());
+of_light!(Cancelling, x, R, {
+    let twin = x;
+    let zero = x - twin;
+    zero.abs() - (twin - x).abs()
+});
 of_light!(Touching, x, R, (x - R::from_f64(0.4)) * (x - R::from_f64(0.4)));
 
 struct Ggx;
