@@ -38,8 +38,8 @@ fn scalars_and_columns() {
         let want: Vec<f32> = x.iter().map(|x| x * 0.5).collect();
         assert_eq!(results, [want], "{}", gpu.info());
         assert_eq!(scale.run_f32(&[3.0, 2.0, 5.0, 4.0], &[]).unwrap(), [6.0, 20.0], "{}", gpu.info());
-        assert_eq!(scale.run(&[], &[]).unwrap(), [], "{}", gpu.info());
-        assert_eq!(scale.run_f32(&[], &[]).unwrap(), [], "{}", gpu.info());
+        assert!(scale.run(&[], &[]).unwrap().is_empty(), "{}", gpu.info());
+        assert!(scale.run_f32(&[], &[]).unwrap().is_empty(), "{}", gpu.info());
     }
 }
 
