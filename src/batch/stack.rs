@@ -86,13 +86,54 @@ impl<const C: usize> Plan<C> {
 
     fn run(&self, level: Level, wi: [&[f32]; 3], wo: impl Viewers, f: [&mut [f32]; C]) {
         match self.chains() {
-            Chains::Together(chain) => level.run(Run { chain, wi, wo, f }),
+            Chains::Together(chain) => run(level, chain, Slices { wi, wo, f }),
             Chains::Apart(chains) => {
                 for (chain, f) in chains.iter().zip(f) {
-                    level.run(Run { chain, wi, wo, f: [f] });
+                    run(level, chain, Slices { wi, wo, f: [f] });
                 }
             }
         }
+    }
+}
+
+/// Takes the pairs through a chain: what most materials are, one interface or a coat of one index over a base, in one loop.
+///
+/// Each kind of loop is a function of its own: together they would fill the stack where nothing is optimised.
+fn run<V: Viewers, const K: usize>(level: Level, chain: &Chain<K>, slices: Slices<'_, V, K>) {
+    match chain.stages.as_slice() {
+        [Stage::Reflect { lobe, surface }] => with_surface!(surface, fresnel => {
+            level.run(Through { steps: Reflect { lobe: *lobe, fresnel: *fresnel }, slices });
+        }),
+        [
+            Stage::Reflect { lobe, surface: Surface::Dielectric(reflected) },
+            Stage::Pass { passage, way: Way::Dielectric(passed), model: Model::Conserving },
+            below @ ..,
+        ] => {
+            let coat = (Reflect { lobe: *lobe, fresnel: *reflected }, Conserve { passage: *passage, fresnel: *passed });
+            match below {
+                [Stage::Absorb(medium), Stage::Reflect { lobe, surface }] if surface.is_metal() => {
+                    with_metal!(surface, fresnel => {
+                        let base = Reflect { lobe: *lobe, fresnel: *fresnel };
+                        level.run(Through { steps: ((coat, *medium), base), slices });
+                    });
+                }
+                [Stage::Reflect { lobe, surface }] if surface.is_metal() => with_metal!(surface, fresnel => {
+                    level.run(Through { steps: (coat, Reflect { lobe: *lobe, fresnel: *fresnel }), slices });
+                }),
+                [Stage::Absorb(medium), Stage::Lambert(base)] => {
+                    level.run(Through { steps: ((coat, *medium), *base), slices });
+                }
+                [Stage::Lambert(base)] => level.run(Through { steps: (coat, *base), slices }),
+                [Stage::Absorb(medium), Stage::OrenNayar { base, about_half: false }] => {
+                    level.run(Through { steps: ((coat, *medium), Rough(*base)), slices });
+                }
+                [Stage::OrenNayar { base, about_half: false }] => {
+                    level.run(Through { steps: (coat, Rough(*base)), slices });
+                }
+                _ => level.run(Blocks { chain, slices }),
+            }
+        }
+        _ => level.run(Blocks { chain, slices }),
     }
 }
 
@@ -131,79 +172,10 @@ fn load<L: Lanes>(slice: &[f32], start: usize, length: usize) -> L {
     if length >= L::COUNT { L::load(&slice[start..]) } else { load_part(&slice[start..start + length]) }
 }
 
-/// A chain over slices of one length.
-struct Run<'a, V, const K: usize> {
-    chain: &'a Chain<K>,
-    wi: [&'a [f32]; 3],
-    wo: V,
-    f: [&'a mut [f32]; K],
-}
-
 /// The directions of a vector of evaluations.
 #[inline(always)]
 fn pair<L: Lanes>(wi: [&[f32]; 3], wo: impl Viewers, start: usize, end: usize) -> (Vector<L>, Vector<L>) {
     (wi.load(start, end - start), wo.load(start, end - start))
-}
-
-// Loops over indices and no closures: what runs over vectors must be inlined whole. Constants are copied out of the plan, or each
-// store to f would have them loaded again.
-impl<V: Viewers, const K: usize> Work for Run<'_, V, K> {
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Run { chain, wi, wo, f } = self;
-        let count = wi[0].len();
-        // All of one length, which the compiler can then tell.
-        let (wi, wo) = ([&wi[0][..count], &wi[1][..count], &wi[2][..count]], wo.cut(count));
-        let mut slices = Slices { wi, wo, f };
-        for channel in 0..K {
-            slices.f[channel] = &mut core::mem::take(&mut slices.f[channel])[..count];
-        }
-        let mut done = 0;
-        // What most materials are: one interface, or a coat of one index over a base.
-        match chain.stages.as_slice() {
-            [Stage::Reflect { lobe, surface }] => with_surface!(surface, fresnel => {
-                slices.through::<L>(&mut done, Reflect { lobe: *lobe, fresnel: *fresnel });
-            }),
-            [
-                Stage::Reflect { lobe, surface: Surface::Dielectric(reflected) },
-                Stage::Pass { passage, way: Way::Dielectric(passed), model: Model::Conserving },
-                below @ ..,
-            ] => {
-                let coat =
-                    (Reflect { lobe: *lobe, fresnel: *reflected }, Conserve { passage: *passage, fresnel: *passed });
-                match below {
-                    [Stage::Absorb(medium), Stage::Reflect { lobe, surface }] => with_metal!(surface, fresnel => {
-                        slices.through::<L>(&mut done, ((coat, *medium), Reflect { lobe: *lobe, fresnel: *fresnel }));
-                    }),
-                    [Stage::Reflect { lobe, surface }] => with_metal!(surface, fresnel => {
-                        slices.through::<L>(&mut done, (coat, Reflect { lobe: *lobe, fresnel: *fresnel }));
-                    }),
-                    [Stage::Absorb(medium), Stage::Lambert(base)] => {
-                        slices.through::<L>(&mut done, ((coat, *medium), *base));
-                    }
-                    [Stage::Lambert(base)] => slices.through::<L>(&mut done, (coat, *base)),
-                    [Stage::Absorb(medium), Stage::OrenNayar { base, about_half: false }] => {
-                        slices.through::<L>(&mut done, ((coat, *medium), Rough(*base)));
-                    }
-                    [Stage::OrenNayar { base, about_half: false }] => {
-                        slices.through::<L>(&mut done, (coat, Rough(*base)));
-                    }
-                    _ => {}
-                }
-            }
-            _ => {}
-        }
-        // What does not fill a vector, and every other stack.
-        let mut rays = [Ray::<L, K>::dark(); BLOCK];
-        for start in (done..count).step_by(BLOCK * L::COUNT) {
-            let end = count.min(start + BLOCK * L::COUNT);
-            let vectors = (end - start).div_ceil(L::COUNT);
-            block(chain, wi, wo, &mut rays[..vectors], start, end);
-            for i in 0..vectors {
-                slices.put(start + i * L::COUNT, rays[i].f);
-            }
-        }
-    }
 }
 
 /// Directions in, f out.
@@ -214,17 +186,15 @@ struct Slices<'a, V, const K: usize> {
 }
 
 impl<V: Viewers, const K: usize> Slices<'_, V, K> {
-    /// Takes whole vectors from `done` on through steps that are one loop.
+    /// All of one length, which the compiler can then tell.
     #[inline(always)]
-    fn through<L: Lanes>(&mut self, done: &mut usize, steps: impl Steps<K>) {
-        let count = self.wi[0].len();
-        while *done + L::COUNT <= count {
-            let (wi, wo) = pair::<L>(self.wi, self.wo, *done, *done + L::COUNT);
-            let mut ray = Ray::<L, K>::new(wi, wo);
-            steps.take(&mut ray, wi, wo);
-            self.put(*done, ray.f);
-            *done += L::COUNT;
+    fn cut(self) -> (Self, usize) {
+        let Slices { wi, wo, mut f } = self;
+        let count = wi[0].len();
+        for channel in 0..K {
+            f[channel] = &mut core::mem::take(&mut f[channel])[..count];
         }
+        (Slices { wi: [&wi[0][..count], &wi[1][..count], &wi[2][..count]], wo: wo.cut(count), f }, count)
     }
 
     /// Puts f of a vector of evaluations in its place.
@@ -236,6 +206,58 @@ impl<V: Viewers, const K: usize> Slices<'_, V, K> {
                 values[channel].store(room);
             } else {
                 store_part(values[channel], room);
+            }
+        }
+    }
+}
+
+// Loops over indices and no closures: what runs over vectors must be inlined whole. Constants are copied out of the plan, or each
+// store to f would have them loaded again.
+
+/// Steps that are one loop.
+struct Through<'a, S, V, const K: usize> {
+    steps: S,
+    slices: Slices<'a, V, K>,
+}
+
+impl<S: Steps<K>, V: Viewers, const K: usize> Work for Through<'_, S, V, K> {
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Through { steps, slices } = self;
+        let (mut slices, count) = slices.cut();
+        let mut done = 0;
+        while done < count {
+            let (wi, wo) = if done + L::COUNT <= count {
+                pair::<L>(slices.wi, slices.wo, done, done + L::COUNT)
+            } else {
+                pair::<L>(slices.wi, slices.wo, done, count)
+            };
+            let mut ray = Ray::<L, K>::new(wi, wo);
+            steps.take(&mut ray, wi, wo);
+            slices.put(done, ray.f);
+            done += L::COUNT;
+        }
+    }
+}
+
+/// Any stages, from one to the next with a block of vectors.
+struct Blocks<'a, V, const K: usize> {
+    chain: &'a Chain<K>,
+    slices: Slices<'a, V, K>,
+}
+
+impl<V: Viewers, const K: usize> Work for Blocks<'_, V, K> {
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Blocks { chain, slices } = self;
+        let (mut slices, count) = slices.cut();
+        let mut rays = [Ray::<L, K>::dark(); BLOCK];
+        for start in (0..count).step_by(BLOCK * L::COUNT) {
+            let end = count.min(start + BLOCK * L::COUNT);
+            let vectors = (end - start).div_ceil(L::COUNT);
+            block(chain, slices.wi, slices.wo, &mut rays[..vectors], start, end);
+            for i in 0..vectors {
+                slices.put(start + i * L::COUNT, rays[i].f);
             }
         }
     }

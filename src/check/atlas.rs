@@ -22,7 +22,7 @@ const NARROW: f64 = 0.05;
 const APART: f64 = 8.0;
 
 /// An albedo that is worth a chart: a tenth of the tolerance.
-const WORTHY: f64 = 1e-4;
+pub(super) const WORTHY: f64 = 1e-4;
 
 /// Directions that charts are centred on; the mirror direction is the first.
 pub(super) struct Atlas {
@@ -60,6 +60,11 @@ impl Atlas {
 }
 
 impl Share<'_> {
+    /// Whether there is no other chart.
+    pub(super) fn is_alone(&self) -> bool {
+        self.atlas.centres.len() == 1
+    }
+
     pub(super) fn chart(&self) -> Chart {
         Chart::new(mirror(self.atlas.centres[self.index]))
     }

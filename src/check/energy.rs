@@ -4,7 +4,7 @@
 //! the half-vector chart, and on one more about each narrow lobe off the mirror direction, cut finely around the wider lobes
 //! beforehand; integrate again by randomised quasi-Monte Carlo. Where the two disagree, neither is believed.
 
-use super::atlas::{Atlas, Share};
+use super::atlas::{Atlas, Share, WORTHY};
 use super::chart::Chart;
 use super::crosscheck::Mixture;
 use super::lobes::{self, Lobe};
@@ -196,11 +196,17 @@ fn integrate(
         let apart = (value - estimate.mean[c]).abs();
         // Sixteen replicates: one in a thousand honest means lies more than 4.07 standard errors off (Student, 15 degrees
         // of freedom). The floor admits a standard error that is 0 by luck.
-        let near = apart <= bound + 4.07 * spread + 1e-6 + 1e-4 * value.abs();
+        // Of several charts each has a part of the albedo: a tenth of the verdict's tolerance is near enough, and is told as error.
+        let floor = if share.is_alone() { 1e-6 + 1e-4 * value.abs() } else { WORTHY };
+        let near = apart <= bound + 4.07 * spread + floor;
         // A second opinion that spans everything confirms nothing.
         let agrees = near && 4.07 * spread <= PRECISE * value.abs().max(1.0);
         let distance = apart + 3.0 * spread;
-        result.error[c] += if agrees { bound.min(distance) } else { bound.max(distance) };
+        result.error[c] += match (agrees, share.is_alone()) {
+            (true, true) => bound.min(distance),
+            (true, false) => bound.max(apart),
+            (false, _) => bound.max(distance),
+        };
         result.agrees &= agrees;
         result.cross_check[c] += estimate.mean[c];
         result.standard_error[c] = result.standard_error[c].hypot(spread);

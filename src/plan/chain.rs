@@ -23,6 +23,16 @@ pub(crate) enum Surface<const K: usize> {
     Fit12(Fitted<K, 12>),
 }
 
+impl<const K: usize> Surface<K> {
+    /// Whether it is a form that [`with_metal`] knows.
+    pub(crate) fn is_metal(&self) -> bool {
+        matches!(
+            self,
+            Surface::GreyMetal(_) | Surface::Metals(_) | Surface::Fit8(_) | Surface::Fit10(_) | Surface::Fit12(_)
+        )
+    }
+}
+
 /// How an interface is passed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Way<const K: usize> {

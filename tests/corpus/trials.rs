@@ -67,7 +67,8 @@ fn bumps_in_theta() {
         one("ring at 52.3°, 4°", ring(52.3, 4.0, 1.3)).energy(Energy::Fail(1.3, 0.01)),
         one("ring at 52.3°, .5°", ring(52.3, 0.5, 1.3)).energy(Energy::Over),
         one("ring over Lambert .5", move |wi, wo| 0.5 * FRAC_1_PI + ring(66.6, 0.3, 0.8)(wi, wo)).energy(Energy::Over),
-        one("ring, .9", ring(52.3, 0.5, 0.9)),
+        // As fine as is resolved: an open verdict is honest, a failure would be a false alarm.
+        one("ring, .9", ring(52.3, 0.5, 0.9)).energy(Energy::NotFail),
         // One direction alone, in an anisotropic subject.
         one("spike at 30°, 10° wide", spike(30.0, 0.17, 1.4)).energy(Energy::Over),
     ]);
