@@ -49,6 +49,7 @@ impl Enclosure {
         Enclosure { bounds, total: total && bounds.is_bounded() }
     }
 
+    #[cfg(feature = "shader")]
     pub(super) fn bounds(self) -> Bounds {
         self.bounds
     }

@@ -21,6 +21,7 @@ mod macros;
 mod preprocess;
 mod reach;
 
+#[cfg(feature = "check")]
 pub(crate) use compile::type_name;
 pub use compile::{Compiled, Entry, Input};
 pub use error::{Place, SourceError};
