@@ -79,7 +79,6 @@ fn stacks_reflect_what_the_table_says() {
     let copper = |alpha| Layer::new(Interface::conductor([0.213], [4.05], alpha));
     let coat = Layer::new(Interface::dielectric(1.5, 0.1));
     let grey = Layer::new(Interface::diffuse([0.5], 0.0));
-    let oxide = Layer::new(Interface::conductor([2.83], [0.083], 0.1));
     let (pass, fail) = (Verdict::Pass, Verdict::Fail);
     let at = |albedos: [f64; 3]| [(0.0, albedos[0]), (60.0, albedos[1]), (80.0, albedos[2])];
     // The table has three digits, of albedos from .234 on. Elek over the diffuse base is met within
@@ -108,22 +107,19 @@ fn stacks_reflect_what_the_table_says() {
         }
     }
     // The largest albedo: m₁ = .1 over m₂ = .3.
-    for (top, models) in [
-        (coat, [(Model::Elek, fail, 1.63), (Model::WeidlichWilkie, pass, 0.85), (Model::Conserving, pass, 0.73)]),
-        (oxide, [(Model::Elek, fail, 2.11), (Model::WeidlichWilkie, pass, 0.73), (Model::Conserving, pass, 0.71)]),
-    ] {
-        for (model, verdict, most) in models {
-            let thetas = [0.0, 30.0, 45.0, 60.0, 75.0, 80.0, 85.0];
-            let options = Options { budget: 300_000, thetas: &thetas, ..Options::default() };
-            let report = check(&stack(model, top, copper(0.3)), &options);
-            let energy = report.energy(Fixed::View).expect("energy is always checked");
-            println!("{} {most}: {energy}", model.name());
-            assert_eq!(energy.verdict, verdict, "{report}");
-            // `conserving` prints .73 over the coat, which this crate's does not meet: .707 at the normal, where its albedos of the rows
-            // above meet theirs.
-            let off = if model == Model::Conserving { 0.03 } else { 0.01 };
-            assert!((energy.value - most).abs() <= off, "{most} expected: {report}");
-        }
+    for (model, verdict, most) in
+        [(Model::Elek, fail, 1.63), (Model::WeidlichWilkie, pass, 0.85), (Model::Conserving, pass, 0.73)]
+    {
+        let thetas = [0.0, 30.0, 45.0, 60.0, 75.0, 80.0, 85.0];
+        let options = Options { budget: 300_000, thetas: &thetas, ..Options::default() };
+        let report = check(&stack(model, coat, copper(0.3)), &options);
+        let energy = report.energy(Fixed::View).expect("energy is always checked");
+        println!("{} {most}: {energy}", model.name());
+        assert_eq!(energy.verdict, verdict, "{report}");
+        // `conserving` prints .73 over the coat, which this crate's does not meet: .707 at the normal, where its albedos of the rows
+        // above meet theirs.
+        let off = if model == Model::Conserving { 0.03 } else { 0.01 };
+        assert!((energy.value - most).abs() <= off, "{most} expected: {report}");
     }
 }
 
