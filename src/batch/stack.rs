@@ -111,15 +111,13 @@ fn run<V: Viewers, const K: usize>(level: Level, chain: &Chain<K>, slices: Slice
         ] => {
             let coat = (Reflect { lobe: *lobe, fresnel: *reflected }, Conserve { passage: *passage, fresnel: *passed });
             match below {
-                [Stage::Absorb(medium), Stage::Reflect { lobe, surface }] if surface.is_metal() => {
-                    with_metal!(surface, fresnel => {
-                        let base = Reflect { lobe: *lobe, fresnel: *fresnel };
-                        level.run(Through { steps: ((coat, *medium), base), slices });
-                    });
-                }
-                [Stage::Reflect { lobe, surface }] if surface.is_metal() => with_metal!(surface, fresnel => {
+                [Stage::Absorb(medium), Stage::Reflect { lobe, surface }] => with_metal!(surface, fresnel => {
+                    let base = Reflect { lobe: *lobe, fresnel: *fresnel };
+                    level.run(Through { steps: ((coat, *medium), base), slices });
+                }, else level.run(Blocks { chain, slices })),
+                [Stage::Reflect { lobe, surface }] => with_metal!(surface, fresnel => {
                     level.run(Through { steps: (coat, Reflect { lobe: *lobe, fresnel: *fresnel }), slices });
-                }),
+                }, else level.run(Blocks { chain, slices })),
                 [Stage::Absorb(medium), Stage::Lambert(base)] => {
                     level.run(Through { steps: ((coat, *medium), *base), slices });
                 }

@@ -254,9 +254,7 @@ mod verdicts {
             ((-retro).exp() / (PI * 4e-6) + (-off).exp() / (4.0 * PI * 1e-4)) / wi.z.max(wo.z)
         });
         let report = judge(&retro);
-        // Two needles and 66 integrals: nearly all are settled, and what is not says so by its error.
-        let open: Vec<_> = report.albedos.iter().filter(|albedo| albedo.theta < 80.0 && !albedo.agrees).collect();
-        assert!(open.len() <= report.albedos.len() / 20, "{open:?}");
+        assert!(report.albedos.iter().filter(|albedo| albedo.theta < 80.0).all(|albedo| albedo.agrees), "{report}");
         assert_eq!(report.energy(Fixed::View).map(|f| f.verdict), Some(Verdict::Fail), "{report}");
     }
 

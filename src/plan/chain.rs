@@ -23,16 +23,6 @@ pub(crate) enum Surface<const K: usize> {
     Fit12(Fitted<K, 12>),
 }
 
-impl<const K: usize> Surface<K> {
-    /// Whether it is a form that [`with_metal`] knows.
-    pub(crate) fn is_metal(&self) -> bool {
-        matches!(
-            self,
-            Surface::GreyMetal(_) | Surface::Metals(_) | Surface::Fit8(_) | Surface::Fit10(_) | Surface::Fit12(_)
-        )
-    }
-}
-
 /// How an interface is passed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Way<const K: usize> {
@@ -138,16 +128,16 @@ macro_rules! with_surface {
         }
     };
 }
-/// Calls a closure-like body with the surface's own type if it is a form that metals take, and nothing if not.
+/// Calls a closure-like body with the surface's own type if it is a form that metals take, and another one if not.
 macro_rules! with_metal {
-    ($surface:expr, $fresnel:ident => $body:expr) => {
+    ($surface:expr, $fresnel:ident => $body:expr, else $other:expr) => {
         match $surface {
             $crate::plan::chain::Surface::GreyMetal($fresnel) => $body,
             $crate::plan::chain::Surface::Metals($fresnel) => $body,
             $crate::plan::chain::Surface::Fit8($fresnel) => $body,
             $crate::plan::chain::Surface::Fit10($fresnel) => $body,
             $crate::plan::chain::Surface::Fit12($fresnel) => $body,
-            _ => {}
+            _ => $other,
         }
     };
 }

@@ -54,7 +54,7 @@ fn narrow_lobes() {
 
 #[test]
 fn bumps_in_theta() {
-    // A ring about the normal 0.4° wide, that reflects 1.3 where it is and nothing elsewhere.
+    // A ring about the normal, that reflects `top` where it is and nothing elsewhere.
     let ring = |theta: f64, width: f64, top: f64| {
         let (theta, width) = (theta.to_radians(), width.to_radians());
         let scale = top / (2.0 * PI * PI.sqrt() * width * theta.sin() * theta.cos());
