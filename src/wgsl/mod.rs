@@ -41,6 +41,8 @@
 
 mod error;
 mod link;
+#[cfg(feature = "std")]
+mod material;
 mod names;
 mod specialise;
 pub(crate) mod token;
@@ -51,6 +53,8 @@ mod tests;
 
 pub use error::LinkError;
 pub use link::mangled;
+#[cfg(feature = "std")]
+pub use material::{NoTwin, material};
 pub use specialise::{identifier, specialise, specialise_scene};
 
 use alloc::string::String;
