@@ -56,6 +56,7 @@ pub mod fresnel;
 pub mod fresnel_fit;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+mod hash;
 pub mod interval;
 pub mod layered;
 pub mod masking;
