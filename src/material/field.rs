@@ -23,7 +23,7 @@ pub enum Scalar {
     Fractal(Noise),
     /// Fractal noise whose octaves are 1 − |noise|: thin bright lines where the noise crosses 0. From 0 to the sum of amplitudes.
     Ridged(Noise),
-    /// A channel of an image over `uv`, between texels linear.
+    /// A channel of an image over `uv`.
     Image(Lookup, usize),
     /// `of`·factor + offset.
     Scaled {
@@ -162,7 +162,7 @@ pub struct Lookup {
 impl Lookup {
     pub(crate) fn texel<R: Real>(&self, point: &Point<R>, images: &[Image]) -> [R; 4] {
         let uv = [0, 1].map(|axis: usize| point.uv[axis] * R::from_f64(self.repeat[axis]));
-        images.get(self.image).map_or([R::ZERO; 4], |image| image.bilinear(uv))
+        images.get(self.image).map_or([R::ZERO; 4], |image| image.sample(uv))
     }
 }
 
@@ -275,7 +275,7 @@ pub enum Colour {
     Ramp(Ramp<3>, Scalar),
     /// The colour of a ramp's band: constant within each, over a width of `softness` at the edges.
     Bands(Ramp<3>, f64, Scalar),
-    /// The colour of an image over `uv`, between texels linear.
+    /// The colour of an image over `uv`.
     Image(Lookup),
     /// A colour times a number.
     Scaled(Box<Colour>, Scalar),
@@ -319,7 +319,7 @@ impl Colour {
             Colour::Constant(colour) => colour.map(number),
             Colour::Grey(grey) => [grey.at(point, images); 3],
             Colour::Ramp(ramp, by) => ramp.at(by.at(point, images)),
-            Colour::Bands(ramp, softness, by) => ramp.bands(number(*softness), by.at(point, images)),
+            Colour::Bands(ramp, softness, by) => ramp.band(number(*softness), by.at(point, images)),
             Colour::Image(lookup) => {
                 let [r, g, b, _] = lookup.texel(point, images);
                 [r, g, b]

@@ -139,7 +139,7 @@ pub enum Flakes {
     Glints {
         /// The side of the square that one flake has to itself, in object space.
         spacing: f64,
-        /// How narrow the lobe of one flake is: 2^resolution of them side by side make the layer's.
+        /// How narrow the lobe of one flake is: 2^resolution of them side by side make the layer's. From 1 to [`super::glint::FINEST`].
         resolution: u32,
         /// Which flakes.
         seed: u32,
@@ -147,7 +147,8 @@ pub enum Flakes {
     /// The documents' flakes: the layer's normal is the surface's plus a texel's, less so with distance
     /// ([`super::flake::flake_normal`]; Elek 2010, §4.1). They conserve nothing and are not reciprocal.
     AsPrinted {
-        /// The map of flake normals, looked up without filtering; the documents repeat it 1000 times.
+        /// The map of flake normals; the documents repeat it 1000 times and look it up without filtering
+        /// ([`Filter::Nearest`](crate::texture::image::Filter)).
         normals: Lookup,
     },
 }

@@ -41,7 +41,7 @@
 //! and buys the exact sum. The price is in `glint::tests::it_costs_this_much`.
 
 use crate::frame::Vector;
-use crate::hash::pcg;
+use crate::random::random_words;
 use crate::real::Real;
 
 /// The largest [`Flakes::resolution`].
@@ -140,7 +140,7 @@ pub fn leaf<R: Real>(key: [u32; 4], count: R, resolution: u32, column: u32, row:
         } else {
             column >> (resolution - 2 - step / 2) & 1
         };
-        let left = dealt(held, pcg([key[0], key[1], key[2], key[3].wrapping_add(node)]));
+        let left = dealt(held, random_words([key[0], key[1], key[2], key[3].wrapping_add(node)]));
         held = if digit == 0 { left } else { (held - left).max(R::ZERO) };
         node = 2 * node + digit;
     }
@@ -183,7 +183,7 @@ fn cell<R: Real>(position: Vector<R>, spacing: R, finer: R, level: u32, seed: u3
         let whole = x as i32;
         (if f64::from(whole) > x { whole - 1 } else { whole }).cast_unsigned()
     };
-    pcg([index(position.x), index(position.y), index(position.z), seed ^ (level << 27)])
+    random_words([index(position.x), index(position.y), index(position.z), seed ^ (level << 27)])
 }
 
 /// ½(1+erf(x)): the share of a Gaussian distribution of slopes that is below x·α.

@@ -104,15 +104,15 @@ impl Material {
 
     /// Whether it is the same at every point.
     pub fn is_constant(&self) -> bool {
-        let mut constant = true;
-        for part in &self.parts {
+        self.parts.iter().all(|part| {
+            let (mut colours, mut numbers) = (true, true);
             part.finish.each(
-                &mut |colour| constant &= colour.constant().is_some(),
-                &mut |scalar| constant &= scalar.constant().is_some(),
+                &mut |colour| colours &= colour.constant().is_some(),
+                &mut |scalar| numbers &= scalar.constant().is_some(),
             );
-            constant &= part.cover.constant().is_some() && part.finish.relief.is_none() && !part.finish.has_flakes();
-        }
-        constant
+            let even = part.cover.constant().is_some() && part.finish.relief.is_none() && !part.finish.has_flakes();
+            colours && numbers && even
+        })
     }
 }
 
@@ -314,7 +314,7 @@ fn flakes_problem(flakes: &Flakes, base: bool, images: &[Image]) -> Option<Strin
     match flakes {
         Flakes::Glints { spacing, resolution, .. } => {
             let usable = spacing.is_finite() && *spacing > 0.0;
-            let most = super::glint::MOST_RESOLUTION;
+            let most = super::glint::FINEST;
             (!usable).then(|| format!("the spacing of flakes is {spacing}, it is positive")).or_else(|| {
                 (*resolution > most).then(|| format!("the resolution of flakes is {resolution}, at most {most}"))
             })

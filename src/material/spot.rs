@@ -1,6 +1,6 @@
 //! A material at one point: numbers only.
 
-use super::brushed::Brushed;
+use super::brushed::{Brushed, Shape};
 use super::field::Colour;
 use super::finish::{Body, Boundary, BrushedMetal, Coat, Encoding, Flakes, Layers, Relief};
 use super::flake::flake_normal;
@@ -351,6 +351,7 @@ fn brushed<'a, R: Real>(metal: &BrushedMetal, point: &Point<R>, images: &[Image]
             k: index(&metal.k, &K_RANGE),
             alpha_x: clamped(metal.along.at(point, images), &ALPHA_RANGE),
             alpha_y: clamped(metal.across.at(point, images), &ALPHA_RANGE),
+            shape: Shape::Ggx,
         },
         turn: metal.turn.at::<R>(point, images).unit_circle(),
     }
@@ -413,7 +414,7 @@ impl Relief {
                     Encoding::Rgb => bump::decode_rgb([r, g, b]),
                     Encoding::AlphaGreen => bump::decode_two_channel(a, g),
                 };
-                bump::strengthened(normal, R::from_f64(*strength))
+                bump::scaled(normal, R::from_f64(*strength))
             }
         }
     }
@@ -426,7 +427,7 @@ struct Grains<R>([Grain<R>; MOST_LAYERS]);
 #[derive(Clone, Copy, Debug)]
 enum Grain<R> {
     Plain,
-    Glints { flakes: glint::Flakes, position: Vector<R>, footprint: R },
+    Glints { flakes: glint::Flakes<R>, position: Vector<R>, footprint: R },
     Tilted(Frame<R>),
 }
 
@@ -437,13 +438,17 @@ impl<R: Real> Grains<R> {
             *grain = match &coat.flakes {
                 None => Grain::Plain,
                 Some(Flakes::Glints { spacing, resolution, seed }) => Grain::Glints {
-                    flakes: glint::Flakes { spacing: *spacing, resolution: *resolution, seed: *seed },
+                    flakes: glint::Flakes {
+                        spacing: R::from_f64(*spacing),
+                        count: R::ONE,
+                        resolution: *resolution,
+                        seed: *seed,
+                    },
                     position: point.position,
                     footprint: point.footprint,
                 },
                 Some(Flakes::AsPrinted { normals }) => {
-                    let uv = [0, 1].map(|axis: usize| point.uv[axis] * R::from_f64(normals.repeat[axis]));
-                    let [x, y, z, _] = images.get(normals.image).map_or([R::HALF; 4], |image| image.nearest(uv));
+                    let [x, y, z, _] = normals.texel::<R>(point, images);
                     let up = Vector::new(R::ZERO, R::ZERO, R::ONE);
                     let normal = flake_normal(up, point.distance, Vector::new(x, y, z));
                     Grain::Tilted(Frame::from_normal_and_tangent(normal, Vector::new(R::ONE, R::ZERO, R::ZERO)))
@@ -467,7 +472,7 @@ impl<R: Real> Surface<R> for Grains<R> {
             None | Some(Grain::Plain) => facets(wi, wo),
             Some(Grain::Glints { flakes, position, footprint }) => {
                 let plain = facets(wi, wo);
-                let grain = glint::factor(half_vector(wi, wo), alpha, flakes, position.widen(), footprint.widen());
+                let grain = glint::factor(half_vector(wi, wo), alpha, &flakes.cast(), position.widen(), footprint.widen());
                 Facets { lobe: plain.lobe * grain, d: plain.d * grain, ..plain }
             }
             Some(Grain::Tilted(frame)) => {

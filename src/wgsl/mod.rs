@@ -69,8 +69,8 @@ macro_rules! modules {
 /// The library's modules: each one's name and its text.
 #[rustfmt::skip]
 pub const MODULES: &[(&str, &str)] = modules![
-    "absorption", "brushed", "diffuse", "distribution", "flake", "fresnel", "fresnel_fit", "glint", "kubelka_munk", "layered", "masking",
-    "microfacet", "patina", "phong", "random", "real", "refraction", "sampling", "table", "walk",
+    "absorption", "brushed", "bump", "diffuse", "distribution", "flake", "fresnel", "fresnel_fit", "glint", "image", "kubelka_munk", "layered",
+    "mask", "masking", "microfacet", "noise", "patina", "phong", "ramp", "random", "real", "refraction", "sampling", "table", "walk",
 ];
 
 /// The text of one module, as written: with its imports.

@@ -20,6 +20,7 @@ pub mod rust;
 pub mod worn;
 
 use super::parts::{Material, MaterialError};
+use crate::texture::ramp::RampError;
 use alloc::boxed::Box;
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -171,4 +172,9 @@ pub fn with(name: &str, changes: &[(String, f64)]) -> Result<Material, Parameter
         found.set(name, *value)?;
     }
     found.material().map_err(|error| ParameterError(error.to_string()))
+}
+
+/// Colours of a part that make no ramp.
+fn no_ramp(part: usize, error: &RampError) -> MaterialError {
+    MaterialError { part, layer: None, problem: error.to_string() }
 }

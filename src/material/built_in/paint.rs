@@ -8,8 +8,8 @@ use crate::material::finish::{Body, Coat, Finish, Flakes, Layers};
 use crate::material::metal;
 use crate::material::parts::{Material, MaterialError, Part};
 use crate::texture::bump;
-use crate::texture::image::Image;
-use crate::walk::random::random;
+use crate::texture::image::{Filter, Image};
+use crate::random::random;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -56,7 +56,7 @@ const RESOLUTION: u32 = 5;
 const REPEATS: f64 = 1000.0;
 
 /// The side of that map in texels.
-const SIDE: usize = 64;
+const SIDE: u32 = 64;
 
 impl Default for CarPaint {
     fn default() -> Self {
@@ -115,15 +115,15 @@ impl BuiltIn for CarPaint {
 
 /// A map of flake normals as the documents' fig. 6 shows one: a texel is a flake, whose slopes are Beckmann's of this α.
 ///
-/// `side` texels along each side, at least 1. None where no image has so many.
-pub fn flake_normals(side: usize, alpha: f64, seed: u32) -> Option<Image> {
-    let mut texels = Vec::with_capacity(side.checked_mul(side)?.checked_mul(3)?);
-    for index in 0..side * side {
-        let [u, v, ..] = random::<f64>(seed, index as u32, 0);
+/// `side` texels along each side, at least 1, looked up without filtering. None where no image has so many.
+pub fn flake_normals(side: u32, alpha: f64, seed: u32) -> Option<Image> {
+    let mut texels = Vec::new();
+    for index in 0..side.checked_mul(side)? {
+        let [u, v, ..] = random::<f64>(seed, index, 0);
         let slope = alpha * (-(1.0 - u).ln()).max(0.0).sqrt();
         let (sine, cosine) = (core::f64::consts::TAU * v).sin_cos();
         let normal = Vector::new(slope * cosine, slope * sine, 1.0).normalized();
         texels.extend(bump::encode(normal).map(|x: f64| x as f32));
     }
-    Image::new(side, side, 3, texels).ok()
+    Some(Image::new(side, side, 3, texels).ok()?.with_filter(Filter::Nearest))
 }

@@ -1,6 +1,6 @@
 //! Copper that patina grows on: by extent (Elek 2010, §4.2) and by age (Mihaylov, §3.3.2).
 
-use super::{BuiltIn, Parameter};
+use super::{BuiltIn, Parameter, no_ramp};
 use crate::layered::{Model, Widths};
 use crate::material::field::{Colour, Noise, Property, Scalar};
 use crate::material::finish::{Body, Coat, Finish, Layers, Relief};
@@ -169,7 +169,7 @@ pub struct Timeline {
 
 /// The colours of five ages: tarnish, dark brown, red-brown, green, blue-green (Mihaylov, fig. 22 and 24; linear sRGB, read from what
 /// the text says).
-pub const AGES: [[f64; 3]; 5] =
+pub const AGES: [[f32; 3]; 5] =
     [[0.30, 0.13, 0.06], [0.13, 0.06, 0.03], [0.22, 0.10, 0.06], [0.20, 0.36, 0.24], [0.25, 0.50, 0.42]];
 
 impl Default for Timeline {
@@ -194,7 +194,8 @@ impl BuiltIn for Timeline {
         let bare = Finish::layers(vec![Coat::conductor(n, k, 0.2)]);
         let noise = Scalar::Fractal(Noise::new(self.seed, 3.0).octaves(6));
         let at = noise.clone().scaled(self.variety, self.age);
-        let colour = Colour::Bands(Ramp::even(&AGES), self.softness, at);
+        let ages = Ramp::banded(&AGES).map_err(|error| no_ramp(1, &error))?;
+        let colour = Colour::Bands(ages, self.softness, at);
         let open = 1.0 - self.hidden_first;
         let mask = cloud(self.seed.wrapping_add(1), 2.0, 5)
             .scaled(open, 0.0)

@@ -1,6 +1,6 @@
 //! Rust on iron (Mihaylov, §3.3.1 and §4.3).
 
-use super::{BuiltIn, Parameter};
+use super::{BuiltIn, Parameter, no_ramp};
 use crate::material::field::{Colour, Noise, Scalar};
 use crate::material::finish::{Coat, Finish, Relief};
 use crate::material::metal;
@@ -25,7 +25,7 @@ pub struct RustyIron {
     /// The cells of the noise in a unit of length.
     pub frequency: f64,
     /// The colours of the oldest and of the youngest rust, dark brown and red (linear).
-    pub colours: [[f64; 3]; 2],
+    pub colours: [[f32; 3]; 2],
     /// Which noise.
     pub seed: u32,
 }
@@ -79,7 +79,8 @@ impl BuiltIn for RustyIron {
         // Each layer of rust has spots of other ages in it: more noise on top of the height.
         let spots = Scalar::Fractal(Noise::new(self.seed.wrapping_add(2), 9.0 * self.frequency).octaves(3));
         let age = height.clone().plus(spots.scaled(0.25, 0.0)).levels(0.0, 1.0);
-        let colour = Colour::Ramp(Ramp::even(&self.colours), age);
+        let ramp = Ramp::even(&self.colours).map_err(|error| no_ramp(1, &error))?;
+        let colour = Colour::Ramp(ramp, age);
         let relief = Relief::Height { height: height.scaled(self.height, 0.0), step: 0.004 };
         let rust = Finish::layers(vec![Coat::diffuse(colour, self.sigma)]).with_relief(relief);
         let parts = vec![

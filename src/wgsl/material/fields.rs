@@ -52,7 +52,7 @@ impl<'a> Statements<'a> {
             Scalar::Ridged(noise) => noise_call("ridged", noise),
             Scalar::Image(lookup, channel) => {
                 let component = ["x", "y", "z", "w"].get(*channel).copied().unwrap_or("w");
-                format!("{}.{component}", self.texel(lookup, "bilinear"))
+                format!("{}.{component}", self.texel(lookup))
             }
             Scalar::Scaled { of, factor, offset } => {
                 format!("{} * {} + {}", self.scalar(of), literal(*factor), literal(*offset))
@@ -90,7 +90,7 @@ impl<'a> Statements<'a> {
                 let (first, count, by) = (self.ramp(ramp), ramp.stops().len(), self.scalar(by));
                 format!("brdf::ramp::bands({first}u, {count}u, {}, {by})", literal(*softness))
             }
-            Colour::Image(lookup) => format!("{}.xyz", self.texel(lookup, "bilinear")),
+            Colour::Image(lookup) => format!("{}.xyz", self.texel(lookup)),
             Colour::Scaled(colour, factor) => format!("{} * {}", self.colour(colour), self.scalar(factor)),
             Colour::Mix(a, b, share) => {
                 let (a, b, share) = (self.colour(a), self.colour(b), self.scalar(share));
@@ -110,16 +110,20 @@ impl<'a> Statements<'a> {
     }
 
     /// The expression of a texel.
-    pub(super) fn texel(&mut self, lookup: &Lookup, how: &str) -> String {
-        let first: usize = self.images.iter().take(lookup.image).map(|image| image.width() * image.height()).sum();
-        let (width, height) = self.images.get(lookup.image).map_or((1, 1), |image| (image.width(), image.height()));
+    pub(super) fn texel(&mut self, lookup: &Lookup) -> String {
+        let first: u32 = self.images.iter().take(lookup.image).map(|image| image.width() * image.height()).sum();
         let [u, v] = lookup.repeat.map(literal);
-        format!("brdf::image::{how}({first}u, {width}u, {height}u, point.uv * vec2f({u}, {v}))")
+        let Some(image) = self.images.get(lookup.image) else { return "vec4f(0.0, 0.0, 0.0, 0.0)".to_string() };
+        let (width, height, function) = (image.width(), image.height(), image.function());
+        format!("brdf::image::{function}({first}u, {width}u, {height}u, point.uv * vec2f({u}, {v}))")
     }
 
     fn ramp(&mut self, ramp: &Ramp<3>) -> usize {
         let first = self.stops.len();
-        self.stops.extend(ramp.stops().iter().map(|(at, [r, g, b])| [*r, *g, *b, *at]));
+        self.stops.extend(ramp.stops().iter().map(|stop| {
+            let [r, g, b] = stop.colour;
+            [r, g, b, stop.at].map(f64::from)
+        }));
         first
     }
 }

@@ -109,7 +109,7 @@ impl Writer {
                 )
             }
             Relief::Map { normals, encoding, strength } => {
-                let texel = statements.texel(normals, "bilinear");
+                let texel = statements.texel(normals);
                 let texel = statements.named(&texel);
                 let decoded = match encoding {
                     Encoding::Rgb => format!("brdf::bump::decode_rgb({texel}.xyz)"),
@@ -118,7 +118,7 @@ impl Writer {
                 let strength = literal(*strength);
                 format!(
                     "fn part_{index}_normal(point: Point) -> vec3f {{\n{}    \
-                         return brdf::bump::strengthened({decoded}, {strength});\n}}\n\n",
+                         return brdf::bump::scaled({decoded}, {strength});\n}}\n\n",
                     statements.text
                 )
             }
@@ -474,7 +474,7 @@ fn tilts(coats: &[Coat], first: usize, statements: &mut Statements<'_>) -> Strin
     let mut text = String::new();
     for (position, coat) in coats.iter().enumerate() {
         if let Some(Flakes::AsPrinted { normals }) = &coat.flakes {
-            let texel = statements.texel(normals, "nearest");
+            let texel = statements.texel(normals);
             text += &format!(
                 "    spot_tilts[{}] = _frame_about(brdf::flake::flake_normal(vec3f(0.0, 0.0, 1.0), point.distance, {texel}.xyz));\n",
                 first + position
@@ -496,8 +496,8 @@ fn flaked_model(index: usize, layers: &Layers, first: usize) -> String {
             let body = match flakes {
                 Flakes::Glints { spacing, resolution, seed } => format!(
                     "        var found = brdf::microfacet::facets(wi, wo, alpha);\n        \
-                     found.lobe *= brdf::glint::factor(wi + wo, alpha, {}, {resolution}u, {seed}u, spot_point.position, \
-                     spot_point.footprint);\n        return found;\n",
+                     found.lobe *= brdf::glint::factor(wi + wo, alpha, brdf::glint::Flakes({}, 1.0, {resolution}u, {seed}u), \
+                     spot_point.position, spot_point.footprint);\n        return found;\n",
                     literal(*spacing)
                 ),
                 Flakes::AsPrinted { .. } => format!(
