@@ -42,6 +42,14 @@ fn a_digit_changes_the_meaning() {
             "(value - (extent - transition)) / select(width, 1.0, sharp)",
         ),
         ("refraction", "refract", "max(", "min("),
+        ("patina", "diffuse_as_printed", "max(cos_i, 0.0)", "cos_i"),
+        ("kubelka_munk", "film", "(1.0 / 14.0)", "(1.0 / 14.1)"),
+        ("flake", "flake_normal", "max(distance, 1.0)", "distance"),
+        ("brushed", "evaluate_ggx", "n.z, k.z", "n.y, k.z"),
+        ("brushed", "reflect_visible_ggx", "2.0 - fall", "2.0000002 - fall"),
+        ("brushed", "reflect_visible_ggx_pdf", "4.0 * select", "4.000001 * select"),
+        ("glint", "leaf", "(column, row, of_row)", "(row, column, of_row)"),
+        ("glint", "factor", "1u << resolution) - 2u", "1u << resolution) - 1u"),
     ];
     for (module, function, right, wrong) in faults {
         let twin = twins().into_iter().find(|twin| (twin.module, twin.function) == (module, function));
