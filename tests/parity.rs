@@ -40,6 +40,10 @@ fn twins_agree_on_every_adapter() {
                 ("walk", "sample") => 0.06,
                 ("walk", _) => 0.05,
                 ("layered" | "sampling", _) => 0.01,
+                // The last of the normals that a view sees lie where the point of the cap meets the view.
+                ("brushed", "reflect_visible_ggx") => 0.01,
+                // A place on the border between two cells.
+                ("glint", "factor") => 0.001,
                 _ => 0.0,
             };
             assert!(silent <= limit, "{name}: {} unbounded", result.unbounded);
@@ -102,7 +106,12 @@ fn a_broken_twin_differs() {
         ("brushed", "evaluate_beckmann", "n.y, k.y", "n.x, k.y"),
         ("brushed", "reflect_visible_ggx", "radius * circle.x + v.x", "radius * circle.x - v.x"),
         ("brushed", "reflect_visible_beckmann", "alpha_y * radius", "alpha_x * radius"),
-        ("brushed", "ggx", "masking_smith_ggx(wi, wo, alpha_x, alpha_y)", "masking_smith_ggx(wi, wo, alpha_y, alpha_x)"),
+        (
+            "brushed",
+            "ggx",
+            "masking_smith_ggx(wi, wo, alpha_x, alpha_y)",
+            "masking_smith_ggx(wi, wo, alpha_y, alpha_x)",
+        ),
         ("glint", "leaf", "whole - left, left", "left, whole - left"),
         ("glint", "leaf", "- 64.0", "- 63.0"),
         ("glint", "factor", "level << 27u", "level << 26u"),

@@ -37,6 +37,9 @@ fn factor(h: vec3f, alpha: f32, flakes: Flakes, position: vec3f, footprint: f32)
     }
     let share = clamp(ratio - 1.0, 0.0, 1.0);
     let near = _grain(flakes, resolution, side, column, row, position, level, finer);
+    if share <= 0.0 {
+        return near;
+    }
     let far = _grain(flakes, resolution, side, column, row, position, level + 1u, 0.5 * finer);
     return near * (1.0 - share) + far * share;
 }

@@ -34,11 +34,16 @@
 //!
 //! # Beside the published models
 //!
-//! Chermain et al. 2021 and Deliot & Belcour 2023 draw the count of the flakes that reflect at a half vector by an approximate binomial
-//! law for each cell of space and direction *independently*: the mean over cells is right, the integral over directions of one
-//! cell is not 1 (at N = 1 and 1024 leaves it would deviate by about 1). Kemppinen et al. 2025 draw points of a process in four
-//! dimensions, in constant time, which also conserves on the average. Splitting costs 2J−1 hashes at each leaf where they take one,
-//! and buys the exact sum. The price is in `glint::tests::it_costs_this_much`.
+//! Deliot & Belcour 2023 draw the number of flakes that reflect at a half vector by an approximate binomial law for each cell of
+//! slopes *independently*. Where that is done the mean over cells is right, and the integral over directions of one cell
+//! strays from 1 by the deviation of Poisson's law, 1/√N: by 1 where a pixel sees one flake (measured in
+//! `glint::tests::independent_leaves_would_not_conserve`). Dealing costs up to 2J−1 hashes for each of up to eight
+//! leaves where they take one, and leaves nothing to stray. Kemppinen et al. 2025 (doi 10.1145/3763282) place points of a process in
+//! four dimensions, in constant time and without memory, converge to Beckmann's lobe and draw from it; of the energy of
+//! a single pixel their abstract says nothing. What they have and this has not: flakes that stay while the level of detail changes, a footprint of two axes,
+//! and directions drawn from the grains themselves; here they are drawn from the lobe, and weigh up to g.
+//!
+//! COST
 
 use crate::frame::Vector;
 use crate::hash::pcg;
@@ -107,8 +112,10 @@ pub fn factor<R: Real>(h: Vector<R>, alpha: R, flakes: &Flakes<R>, position: Vec
         interpolated(key, count, resolution, column, row) / count * R::from_f64(f64::from(side * side))
     };
     let near = grain(level, finer);
-    let far = grain(level + 1, finer * R::HALF);
-    near * (R::ONE - share) + far * share
+    if share.to_f64() <= 0.0 {
+        return near;
+    }
+    near * (R::ONE - share) + grain(level + 1, finer * R::HALF) * share
 }
 
 /// From so many flakes for each leaf on the lobe has no grain: 2¹⁴.
