@@ -65,8 +65,8 @@ macro_rules! modules {
 /// The library's modules: each one's name and its text.
 #[rustfmt::skip]
 pub const MODULES: &[(&str, &str)] = modules![
-    "absorption", "diffuse", "distribution", "fresnel", "fresnel_fit", "layered", "masking", "microfacet", "patina", "phong", "random",
-    "real", "refraction", "sampling", "table", "walk",
+    "absorption", "bump", "diffuse", "distribution", "fresnel", "fresnel_fit", "image", "layered", "mask", "masking", "microfacet", "noise",
+    "patina", "phong", "ramp", "random", "real", "refraction", "sampling", "table", "walk",
 ];
 
 /// The text of one module, as written: with its imports.
