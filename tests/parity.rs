@@ -40,6 +40,9 @@ fn twins_agree_on_every_adapter() {
                 ("walk", "sample") => 0.06,
                 ("walk", _) => 0.05,
                 ("layered" | "sampling", _) => 0.01,
+                // Octaves whose frequency is rounded: where that decides which cell a point is in, the hash is open.
+                // `tests/textures_gpu.rs` holds these to the slope of the noise.
+                ("noise", "fractal" | "fractal_slope" | "ridged") => 0.02,
                 _ => 0.0,
             };
             assert!(silent <= limit, "{name}: {} unbounded", result.unbounded);

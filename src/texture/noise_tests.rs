@@ -180,7 +180,8 @@ fn the_twelve_gradients_are_equally_frequent_and_cancel() {
 fn the_mean_over_a_cell_is_that_of_its_gradients() {
     // ∫ w(c, t)·(t − c) dt over [0, 1] is ±1/7 and ∫ w = 1/2 along the other axes: the mean is Σ over corners of g·(±1/7)/4. Noise in a
     // cell is a polynomial of degree 6 along each axis: Gauss's rule with four points is exact.
-    let nodes = [(0.339_981_043_584_856_26, 0.652_145_154_862_546_1), (0.861_136_311_594_052_6, 0.347_854_845_137_453_86)];
+    let nodes =
+        [(0.339_981_043_584_856_26, 0.652_145_154_862_546_1), (0.861_136_311_594_052_6, 0.347_854_845_137_453_86)];
     let rule = nodes.map(|(x, weight)| [(0.5 - 0.5 * x, 0.5 * weight), (0.5 + 0.5 * x, 0.5 * weight)]);
     let rule = rule.as_flattened();
     for (x, y, z) in [(0, 0, 0), (4, -3, 2), (-1, -1, -1)] {
