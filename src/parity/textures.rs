@@ -2,6 +2,7 @@
 
 use super::draw::Draw;
 use super::table::{Flat, Judge, Twin, at, coordinates};
+use crate::frame::Vector;
 use crate::gpu::StackBuffers;
 use crate::interval::WgslInterval;
 use crate::random::random;
@@ -92,6 +93,11 @@ fn stops_of<R: Real>(a: &[R]) -> &'static [Stop<3>] {
     found.filter(|_| a[1].to_f64() > 0.0).map_or(&[], |(_, ramp)| ramp.stops())
 }
 
+/// A unit normal of a bump, by its slopes.
+fn normal(d: &mut Draw) -> Vector<f64> {
+    bump::normal_from_slopes(d.between(-4.0, 3.0), d.between(-0.1, 50.0))
+}
+
 /// A point off the lattice, whose octaves in f32 hardly meet it.
 fn point_and_seed(d: &mut Draw) -> Vec<f64> {
     flat![d.between(-19.3, 20.7), d.between(-19.3, 20.7), d.between(-0.13, 0.21), d.word()]
@@ -150,7 +156,7 @@ pub(super) fn twins() -> Vec<Twin> {
             |a| coordinates(bump::decode_two_channel(a[0], a[1]))),
         twin!(bump::encode / 1, |d| flat![d.direction()], |a| bump::encode(at(a, 0))),
         twin!(bump::scaled / 2, |d| flat![d.direction(), d.between(0.0, 8.0)], |a| coordinates(bump::scaled(at(a, 0), a[3]))),
-        twin!(bump::combined / 2, |d| flat![d.direction(), d.direction()], |a| coordinates(bump::combined(at(a, 0), at(a, 3)))),
+        twin!(bump::combined / 2, |d| flat![normal(d), normal(d)], |a| coordinates(bump::combined(at(a, 0), at(a, 3)))),
         twin!(bump::frame_about / 1, |d| flat![d.direction()], |a| {
             let frame = bump::frame_about(at(a, 0));
             let [t, b, n] = [frame.tangent, frame.bitangent, frame.normal].map(coordinates);
