@@ -67,6 +67,8 @@ pub mod phong;
 pub mod plan;
 pub mod real;
 pub mod refraction;
+#[cfg(feature = "render")]
+pub mod render;
 pub mod sampling;
 mod series;
 #[cfg(feature = "shader")]

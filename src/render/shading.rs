@@ -1,0 +1,93 @@
+//! A material prepared for a picture: what a path asks of it at each point, at the least cost.
+//!
+//! A material that is one stack under a closed-form model, the same everywhere, is evaluated by its [`Plan`] and sampled by a prepared
+//! [`View`]; everything else by its [`Spot`]. Both are the same function but for rounding.
+
+use super::Number;
+use super::surface::{Material, Point, Spot};
+use crate::frame::Vector;
+use crate::layered::Stack;
+use crate::plan::Plan;
+use crate::sampling::{Sample, View};
+
+/// A material over one number type.
+#[derive(Clone, Debug)]
+pub struct Shading<'a, R> {
+    material: &'a Material,
+    whole: Option<(Plan<3>, Stack<R, 3>)>,
+}
+
+impl<'a, R: Number> Shading<'a, R> {
+    /// Prepares a material.
+    pub fn new(material: &'a Material) -> Self {
+        let whole = material.whole().and_then(|stack| Some((Plan::new(stack).ok()?, stack.cast())));
+        Shading { material, whole }
+    }
+
+    /// The material at a point.
+    #[inline]
+    pub fn at(&self, point: &Point<R>) -> Local<'_, R> {
+        match &self.whole {
+            Some((plan, stack)) => Local::Whole(plan, stack),
+            None => Local::Spot(self.material.at(point)),
+        }
+    }
+}
+
+/// A material at a point.
+#[derive(Clone, Debug)]
+pub enum Local<'a, R> {
+    /// A stack, the same everywhere.
+    Whole(&'a Plan<3>, &'a Stack<R, 3>),
+    /// The material's fields at this point.
+    Spot(Spot<'a, R>),
+}
+
+impl<R: Number> Local<'_, R> {
+    /// The material seen from a local direction.
+    #[inline]
+    pub fn facing(&self, wo: Vector<R>) -> Facing<'_, R> {
+        match self {
+            Local::Whole(plan, stack) => Facing::Whole(plan, stack.facing(wo), wo),
+            Local::Spot(spot) => Facing::Spot(spot, wo),
+        }
+    }
+}
+
+/// A material at a point, seen from a direction.
+#[derive(Clone, Debug)]
+pub enum Facing<'a, R> {
+    /// A stack: its plan and its lobes.
+    Whole(&'a Plan<3>, View<R>, Vector<R>),
+    /// Anything else.
+    Spot(&'a Spot<'a, R>, Vector<R>),
+}
+
+impl<R: Number> Facing<'_, R> {
+    /// f·cos towards the viewer, in sr⁻¹.
+    #[inline]
+    pub fn reflected(&self, wi: Vector<R>) -> [R; 3] {
+        match self {
+            Facing::Whole(plan, _, wo) => plan.evaluate(wi, *wo).map(|f| f * wi.z.max(R::ZERO)),
+            Facing::Spot(spot, wo) => spot.reflected(wi, *wo),
+        }
+    }
+
+    /// A direction drawn about in proportion to it, and its density.
+    #[inline]
+    pub fn sample(&self, u: [R; 4]) -> Option<Sample<R>> {
+        match self {
+            Facing::Whole(_, view, _) => view.sample([u[1], u[2], u[3]]),
+            Facing::Spot(spot, wo) => spot.sample(*wo, u),
+        }
+    }
+
+    /// The density with which a direction is drawn.
+    #[inline]
+    pub fn pdf(&self, wi: Vector<R>) -> R {
+        match self {
+            Facing::Whole(_, view, _) => view.pdf(wi),
+            Facing::Spot(spot, wo) => spot.pdf(wi, *wo),
+        }
+    }
+}
