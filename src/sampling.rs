@@ -58,7 +58,7 @@ use crate::real::{Mask, Real};
 use crate::refraction::refract;
 
 mod view;
-pub use view::View;
+pub use view::{View, Views};
 
 /// The share of the mixture that follows the safe weights: 1/4. More of it lowers the bound, and costs variance.
 const SAFE_SHARE: f64 = 0.25;

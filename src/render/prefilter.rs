@@ -16,11 +16,10 @@ use rayon::prelude::*;
 pub const ALPHAS: [f64; 10] = [0.0, 0.02, 0.05, 0.1, 0.18, 0.3, 0.45, 0.65, 0.85, 1.0];
 
 /// Texels to a side: about three to the width of a lobe.
-const SIDES: [usize; 10] = [0, 256, 256, 128, 128, 64, 64, 64, 64, 64];
+const SIDES: [usize; 10] = [0, 256, 128, 128, 64, 64, 32, 32, 32, 32];
 
-/// Rings of equal weight, and samples to a ring.
-const RINGS: usize = 12;
-const TURNS: usize = 24;
+/// Directions of a lobe. They stand for its equal parts, so that each needs no weight.
+const RAYS: usize = 320;
 
 /// An environment at every width.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,56 +79,42 @@ fn pyramid(map: &Map) -> Vec<Map> {
     all
 }
 
-/// A direction of a lobe around +z, its weight, and the solid angle that it stands for.
+/// A direction of a lobe around +z, and the solid angle that it stands for.
 struct Ray {
     w: Vector<f64>,
-    weight: f64,
     solid: f64,
 }
 
-/// The rays of the lobe of a level. Rings hold equal parts of the lobe, so each ray's solid angle follows from its neighbours'.
+/// The rays of the lobe of a level: a sunflower in the plane of slopes (Vogel 1979), which is as fine along as around.
 fn rays(alpha: f64) -> Vec<Ray> {
+    // The cosine of the light that the inner part of a lobe reaches to.
     let cosine = |part: f64| {
         if alpha >= 1.0 {
             return (1.0 - part).sqrt();
         }
         // Slopes are Gaussian: tan²θ_h = −α²·ln(1−u); the light lies at twice the angle.
         let tan_squared = -alpha * alpha * (-part).ln_1p();
-        (1.0 - tan_squared) / (1.0 + tan_squared)
+        if tan_squared.is_finite() { (1.0 - tan_squared) / (1.0 + tan_squared) } else { -1.0 }
     };
-    let mut all = Vec::with_capacity(RINGS * TURNS);
-    for ring in 0..RINGS {
-        let part = (ring as f64 + 0.5) / RINGS as f64;
-        let cos = cosine(part);
-        if cos <= 0.0 {
-            continue;
-        }
-        let (inner, outer) = (cosine(ring as f64 / RINGS as f64), cosine((ring + 1) as f64 / RINGS as f64));
-        // The last ring of a Gaussian reaches to infinity: as far beyond its middle as its inner edge is before it.
-        let outer = if ring + 1 == RINGS { 2.0 * cos - inner } else { outer };
-        let solid = core::f64::consts::TAU * (inner - outer.max(-1.0)) / TURNS as f64;
-        let sine = ((1.0 - cos) * (1.0 + cos)).sqrt();
-        for turn in 0..TURNS {
-            // Each ring is turned against the one inside by the golden angle.
-            let phi = core::f64::consts::TAU * ((turn as f64 + 0.5) / TURNS as f64 + 0.381_966 * ring as f64);
-            let w = Vector::new(sine * phi.cos(), sine * phi.sin(), cos);
-            all.push(Ray { w, weight: 1.0, solid });
-        }
-    }
-    let total: f64 = all.iter().map(|ray| ray.weight).sum();
-    for ray in &mut all {
-        ray.weight /= total;
-    }
-    all
+    let golden = 0.5 * (3.0 - 5.0f64.sqrt());
+    let ray = |i: usize| {
+        let part = |offset: f64| (i as f64 + offset) / RAYS as f64;
+        let cos = cosine(part(0.5));
+        let solid = core::f64::consts::TAU * (cosine(part(0.0)) - cosine(part(1.0)));
+        let sine = ((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt();
+        let (y, x) = (core::f64::consts::TAU * (golden * i as f64).fract()).sin_cos();
+        Ray { w: Vector::new(sine * x, sine * y, cos), solid }
+    };
+    (0..RAYS).map(ray).filter(|ray| ray.w.z > 0.0).collect()
 }
 
 fn blurred(pyramid: &[Map], alpha: f64, side: usize) -> Map {
     let rays = rays(alpha);
-    // The level whose texels cover about a ray's solid angle, so that no light falls between rays; one finer, as lookups blur too.
+    // The finest level whose texels cover a ray's solid angle, so that no light falls between rays.
     let levels: Vec<usize> = rays
         .iter()
         .map(|ray| {
-            let fits = |map: &&Map| 4.0 * core::f64::consts::PI / ((map.side() * map.side()) as f64) >= 0.5 * ray.solid;
+            let fits = |map: &&Map| 4.0 * core::f64::consts::PI / ((map.side() * map.side()) as f64) >= ray.solid;
             let fitting = pyramid.iter().position(|map| fits(&map)).unwrap_or(pyramid.len());
             fitting.min(pyramid.len() - 1)
         })
@@ -145,11 +130,11 @@ fn blurred(pyramid: &[Map], alpha: f64, side: usize) -> Map {
                     if let Some(map) = pyramid.get(*level) {
                         let (radiance, _) = map.look(frame.to_world(ray.w));
                         for (sum, x) in sum.iter_mut().zip(radiance) {
-                            *sum += ray.weight * x;
+                            *sum += x;
                         }
                     }
                 }
-                sum.map(|x| x as f32)
+                sum.map(|x| (x / rays.len().max(1) as f64) as f32)
             };
             (0..side).map(texel).collect()
         })
@@ -177,11 +162,11 @@ mod tests {
         // ∫ max(z,0)·max(x,0) dω/π = 2/(3π).
         let all = Prefiltered::new(&Environment::from_radiance(256, |w| [w.z.max(0.0); 3]));
         let at = |x, y, z| all.look(Vector::<f64>::new(x, y, z), 1.0)[0];
-        // Twelve rings of the cosine: the midpoint rule is off by up to 1/(24·12²)·f″, and the map's texels by 1/64.
+        // 320 rays resolve 1/√320 of the lobe's width, and the bend at the horizon less; texels of the coarse levels blur by 1/32.
         for (got, want) in [(at(0.0, 0.0, 1.0), 2.0 / 3.0), (at(1.0, 0.0, 0.0), 2.0 / (3.0 * core::f64::consts::PI))] {
-            assert!((got - want).abs() < 0.01, "{got} {want}");
+            assert!((got - want).abs() < 0.03, "{got} {want}");
         }
-        assert!(at(0.0, 0.0, -1.0) < 0.01);
+        assert!(at(0.0, 0.0, -1.0) < 0.03);
     }
 
     #[test]

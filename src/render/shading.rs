@@ -1,26 +1,25 @@
 //! A material prepared for a picture: what a path asks of it at each point, at the least cost.
 //!
 //! A material that is one stack under a closed-form model, the same everywhere, is evaluated by its [`Plan`] and sampled by a prepared
-//! [`View`]; everything else by its [`Spot`]. Both are the same function but for rounding.
+//! [`Views`]; everything else by its [`Spot`]. Both reflect the same but for rounding; they draw with densities of their own.
 
 use super::Number;
 use super::surface::{Material, Point, Spot};
 use crate::frame::Vector;
-use crate::layered::Stack;
 use crate::plan::Plan;
-use crate::sampling::{Sample, View};
+use crate::sampling::{Sample, View, Views};
 
 /// A material over one number type.
 #[derive(Clone, Debug)]
 pub struct Shading<'a, R> {
     material: &'a Material,
-    whole: Option<(Plan<3>, Stack<R, 3>)>,
+    whole: Option<(Plan<3>, Views<R>)>,
 }
 
 impl<'a, R: Number> Shading<'a, R> {
     /// Prepares a material.
     pub fn new(material: &'a Material) -> Self {
-        let whole = material.whole().and_then(|stack| Some((Plan::new(stack).ok()?, stack.cast())));
+        let whole = material.whole().and_then(|stack| Some((Plan::new(stack).ok()?, Views::new(&stack.cast())?)));
         Shading { material, whole }
     }
 
@@ -28,7 +27,7 @@ impl<'a, R: Number> Shading<'a, R> {
     #[inline]
     pub fn at(&self, point: &Point<R>) -> Local<'_, R> {
         match &self.whole {
-            Some((plan, stack)) => Local::Whole(plan, stack),
+            Some((plan, views)) => Local::Whole(plan, views),
             None => Local::Spot(self.material.at(point)),
         }
     }
@@ -38,7 +37,7 @@ impl<'a, R: Number> Shading<'a, R> {
 #[derive(Clone, Debug)]
 pub enum Local<'a, R> {
     /// A stack, the same everywhere.
-    Whole(&'a Plan<3>, &'a Stack<R, 3>),
+    Whole(&'a Plan<3>, &'a Views<R>),
     /// The material's fields at this point.
     Spot(Spot<'a, R>),
 }
@@ -48,7 +47,7 @@ impl<R: Number> Local<'_, R> {
     #[inline]
     pub fn facing(&self, wo: Vector<R>) -> Facing<'_, R> {
         match self {
-            Local::Whole(plan, stack) => Facing::Whole(plan, stack.facing(wo), wo),
+            Local::Whole(plan, views) => Facing::Whole(plan, views.facing(wo), wo),
             Local::Spot(spot) => Facing::Spot(spot, wo),
         }
     }

@@ -191,7 +191,8 @@ mod tests {
         let torus = Torus::new(0.4).expect("valid");
         let nodes = torus.occlusion();
         assert!(nodes[..=OCCLUSION_NODES / 2].iter().all(|x| *x == 0.0));
-        assert!(nodes.windows(2).all(|pair| pair[0] <= pair[1] + 1e-3), "{nodes:?}");
+        // The edge of what is hidden passes through rings of 1/48, and half of that is lost or won.
+        assert!(nodes.windows(2).all(|pair| pair[0] <= pair[1] + 1.0 / 96.0), "{nodes:?}");
         assert!(nodes[OCCLUSION_NODES - 1] > 0.2 && nodes[OCCLUSION_NODES - 1] < 0.9);
         assert!(Torus::new(1.0).is_err() && Torus::new(f64::NAN).is_err());
     }
