@@ -12,6 +12,8 @@ pub mod bvh;
 pub mod camera;
 pub mod environment;
 pub mod film;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod light;
 pub mod mesh;
 pub mod octahedral;
@@ -22,7 +24,6 @@ pub mod scene;
 pub mod shading;
 pub mod shape;
 pub mod sources;
-pub mod surface;
 pub mod torus;
 
 pub use film::Film;

@@ -4,7 +4,7 @@ use super::camera::Camera;
 use super::environment::Environment;
 use super::light::Light;
 use super::shape::Shape;
-use super::surface::Material;
+use crate::material::Material;
 
 /// One shape of one material, its light and its viewer.
 #[derive(Clone, Debug)]

@@ -4,8 +4,10 @@
 //! [`Views`]; everything else by its [`Spot`]. Both reflect the same but for rounding; they draw with densities of their own.
 
 use super::Number;
-use super::surface::{Material, Point, Spot};
 use crate::frame::Vector;
+use crate::layered::Stack;
+use crate::material::finish::Body;
+use crate::material::{Colour, Material, Part, Point, Spot};
 use crate::plan::Plan;
 use crate::sampling::{Sample, View, Views};
 
@@ -19,7 +21,7 @@ pub struct Shading<'a, R> {
 impl<'a, R: Number> Shading<'a, R> {
     /// Prepares a material.
     pub fn new(material: &'a Material) -> Self {
-        let whole = material.whole().and_then(|stack| Some((Plan::new(stack).ok()?, Views::new(&stack.cast())?)));
+        let whole = whole(material).and_then(|stack| Some((Plan::new(stack).ok()?, Views::new(&stack.cast())?)));
         Shading { material, whole }
     }
 
@@ -30,6 +32,15 @@ impl<'a, R: Number> Shading<'a, R> {
             Some((plan, views)) => Local::Whole(plan, views),
             None => Local::Spot(self.material.at(point)),
         }
+    }
+}
+
+/// The one stack that a material is, if it is.
+fn whole(material: &Material) -> Option<&Stack<f64, 3>> {
+    let [Part { finish, .. }] = material.parts() else { return None };
+    match &finish.body {
+        Body::Whole(stack) if finish.relief.is_none() && finish.reflectivity == Colour::Constant([1.0; 3]) => Some(stack),
+        _ => None,
     }
 }
 

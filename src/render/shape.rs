@@ -7,7 +7,7 @@ use super::Number;
 use super::mesh::Mesh;
 use super::torus::Torus;
 use crate::frame::{Frame, Vector};
-use super::surface::Point;
+use crate::material::Point;
 
 /// How far from a surface the rays that leave it start. A thousandth of a pixel at usual sizes; in f32 positions are good to 1e-6.
 pub const CLEARANCE: f64 = 1e-4;

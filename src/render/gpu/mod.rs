@@ -130,7 +130,7 @@ impl Program {
 fn texels(scene: &Scene) -> Vec<u8> {
     let mut all: Vec<[f32; 4]> = Vec::new();
     for image in scene.material.images() {
-        all.extend(image.texels().iter().map(|texel| texel.map(|x| x)));
+        all.extend(image.texels());
     }
     // An adapter refuses an empty buffer.
     all.resize(all.len().max(1), [0.0; 4]);
