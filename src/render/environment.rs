@@ -5,8 +5,8 @@
 //!
 //! # Sampling
 //!
-//! A texel is chosen in proportion to its luminance times its solid angle by an alias table (Vose 1991): two numbers and
-//! one access whatever the size, where a two-dimensional distribution function takes two searches. Within the texel the point is uniform.
+//! A square of texels is chosen in proportion to its luminance times its solid angle by an alias table (Vose 1991): two numbers and
+//! one access whatever the size, where a two-dimensional distribution function takes two searches. Within the square the point is uniform.
 //!
 //! # Files
 //!
@@ -20,6 +20,9 @@ use std::path::Path;
 
 /// The sides that a map may have: the finest is 64 MiB.
 const SIDES: core::ops::RangeInclusive<usize> = 64..=2048;
+
+/// The squares to a side that directions are drawn from, at most: their table is 128 kB, which stays in a processor's cache.
+pub(crate) const SQUARES: usize = 128;
 
 /// Points of a texel, along either axis, that a map made from a file averages.
 const OVERSAMPLING: usize = 4;
@@ -39,9 +42,9 @@ pub(crate) struct Alias {
 }
 
 impl Environment {
-    /// An environment of any radiance in W/(sr·m²) as a function of the direction, on a map of `side`² texels.
+    /// An environment of any radiance in W/(sr·m²) as a function of the direction, on a map of `side`² texels; a power of two.
     pub fn from_radiance(side: usize, radiance: impl Fn(Vector<f64>) -> [f64; 3]) -> Self {
-        let side = side.clamp(*SIDES.start(), *SIDES.end());
+        let side = side.next_power_of_two().clamp(*SIDES.start(), *SIDES.end());
         let map = Map::new(side, |column, row| {
             let (w, _) = Map::centre(side, column, row);
             radiance(w).map(|x| x as f32)
@@ -128,14 +131,24 @@ impl Environment {
             }
             mean * Map::centre(side, column, row).1
         };
-        let weights: Vec<f64> = (0..side * side).map(weight).collect();
+        let squares = side.min(SQUARES);
+        let texels = side / squares;
+        let mut weights = vec![0.0; squares * squares];
+        for i in 0..side * side {
+            let square = i / side / texels * squares + i % side / texels;
+            if let Some(sum) = weights.get_mut(square) {
+                *sum += weight(i);
+            }
+        }
         let total: f64 = weights.iter().sum();
         if total <= 0.0 {
             return Environment { map, alias: Vec::new() };
         }
-        // p(ω) = P(texel)·side²/4·|octahedron|³.
-        let scale = (side * side) as f64 / (4.0 * total);
-        let map = map.with_fourth(|column, row| weights.get(row * side + column).map_or(0.0, |w| (w * scale) as f32));
+        // p(ω) = P(square)·squares²/4·|octahedron|³.
+        let scale = (squares * squares) as f64 / (4.0 * total);
+        let map = map.with_fourth(|column, row| {
+            weights.get(row / texels * squares + column / texels).map_or(0.0, |w| (w * scale) as f32)
+        });
         Environment { map, alias: alias(&weights, total) }
     }
 
@@ -169,7 +182,7 @@ impl Environment {
         let place = ((u[0].to_f64() * count as f64) as usize).min(count.saturating_sub(1));
         let entry = self.alias.get(place)?;
         let chosen = if u[1].to_f64() < f64::from(entry.keep) { place } else { entry.other as usize };
-        let side = self.map.side();
+        let side = self.map.side().min(SQUARES);
         let (column, row) = (R::from_f64((chosen % side) as f64), R::from_f64((chosen / side) as f64));
         let scale = R::TWO / R::from_f64(side as f64);
         let (w, _) = octahedral::direction([(column + u[2]) * scale - R::ONE, (row + u[3]) * scale - R::ONE]);

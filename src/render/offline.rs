@@ -104,7 +104,7 @@ impl<'a, R: Number> Tracer<'a, R> {
                 return sum;
             }
             travelled = travelled + hit.distance;
-            let local = self.shading.at(&hit.point(travelled, spread));
+            let local = self.shading.at(|| scene.shape.point(&hit, travelled, spread));
             let facing = local.facing(hit.frame.to_local(-ray.direction));
             let leaves = |wi| R::ZERO.lt(hit.geometric.dot(wi));
             for light in &scene.lights {

@@ -37,7 +37,7 @@ pub fn shade<R: Number>(scene: &Scene, environment: &Prefiltered, fragment: &Fra
     let Some(hit) = &fragment.hit else {
         return if scene.backdrop { environment.look(fragment.ray.direction, R::ZERO) } else { [R::ZERO; 3] };
     };
-    let point = hit.point(hit.distance, R::from_f64(scene.camera.spread()));
+    let point = scene.shape.point(hit, hit.distance, R::from_f64(scene.camera.spread()));
     let spot = scene.material.at(&point);
     let wo = hit.frame.to_local(-fragment.ray.direction);
     let mut sum = [R::ZERO; 3];

@@ -25,12 +25,12 @@ impl<'a, R: Number> Shading<'a, R> {
         Shading { material, whole }
     }
 
-    /// The material at a point.
+    /// The material at a point, which is only looked for where the material asks.
     #[inline]
-    pub fn at(&self, point: &Point<R>) -> Local<'_, R> {
+    pub fn at(&self, point: impl FnOnce() -> Point<R>) -> Local<'_, R> {
         match &self.whole {
             Some((plan, views)) => Local::Whole(plan, views),
-            None => Local::Spot(self.material.at(point)),
+            None => Local::Spot(self.material.at(&point())),
         }
     }
 }

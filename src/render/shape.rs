@@ -46,7 +46,7 @@ pub struct Hit<R> {
     pub geometric: Vector<R>,
     /// The shading frame: its normal interpolated on a mesh, its tangent along increasing u.
     pub frame: Frame<R>,
-    /// The parameters, in [0, 1).
+    /// The parameters, in [0, 1), of a square and a mesh; those of a sphere and a torus are found when a material asks ([`Shape::point`]).
     pub uv: [R; 2],
     /// How much they grow for a unit of length along the frame's tangent and bitangent.
     pub uv_per_length: [R; 2],
@@ -55,20 +55,6 @@ pub struct Hit<R> {
 }
 
 impl<R: Number> Hit<R> {
-    /// What the material is told: `travelled` is the way from the viewer, `spread` the width of a pixel at distance 1.
-    pub fn point(&self, travelled: R, spread: R) -> Point<R> {
-        Point {
-            position: self.position,
-            tangent: self.frame.tangent,
-            bitangent: self.frame.bitangent,
-            uv: self.uv,
-            uv_per_length: self.uv_per_length,
-            occlusion: self.occlusion,
-            distance: travelled,
-            footprint: travelled * spread,
-        }
-    }
-
     /// Turns both normals to the side that the ray came from, and the shading normal so far towards it that it is seen.
     fn facing(mut self, ray: &Ray<R>) -> Self {
         if R::ZERO.lt(self.geometric.dot(ray.direction)) {
@@ -115,6 +101,30 @@ impl Shape {
             Shape::Torus(torus) => torus.hit(ray, within).map(|hit| hit.facing(ray)),
             Shape::Plane => plane(ray, within),
             Shape::Mesh(mesh) => mesh.hit(ray, within).map(|hit| hit.facing(ray)),
+        }
+    }
+
+    /// What the material is told: `travelled` is the way from the viewer, `spread` the width of a pixel at distance 1.
+    pub fn point<R: Number>(&self, hit: &Hit<R>, travelled: R, spread: R) -> Point<R> {
+        let at = hit.position;
+        let uv = match self {
+            Shape::Sphere => {
+                let height = at.sin_squared().sqrt().angle(at.z.abs()) * R::FRAC_1_PI;
+                let v = if at.z.lt(R::ZERO) { height } else { R::ONE - height };
+                [turn(at.x, at.y), v.min(R::ONE - R::HALF * R::EPSILON)]
+            }
+            Shape::Torus(_) => [turn(at.x, at.y), turn(at.sin_squared().sqrt() - R::ONE, at.z)],
+            Shape::Plane | Shape::Mesh(_) => hit.uv,
+        };
+        Point {
+            position: at,
+            tangent: hit.frame.tangent,
+            bitangent: hit.frame.bitangent,
+            uv,
+            uv_per_length: hit.uv_per_length,
+            occlusion: hit.occlusion,
+            distance: travelled,
+            footprint: travelled * spread,
         }
     }
 
@@ -166,14 +176,12 @@ fn sphere<R: Number>(ray: &Ray<R>, within: R) -> Option<Hit<R>> {
     }
     let normal = ray.at(distance).normalized();
     let around = Vector::new(-normal.y, normal.x, R::ZERO);
-    let height = normal.sin_squared().sqrt().angle(normal.z.abs()) * R::FRAC_1_PI;
-    let v = if normal.z.lt(R::ZERO) { height } else { R::ONE - height };
     Some(Hit {
         distance,
         position: normal,
         geometric: normal,
         frame: Frame::from_normal_and_tangent(normal, around),
-        uv: [turn(normal.x, normal.y), v.min(R::ONE - R::HALF * R::EPSILON)],
+        uv: [R::ZERO; 2],
         uv_per_length: [around_per_length(around.length_squared().sqrt()), R::FRAC_1_PI],
         occlusion: R::ZERO,
     })
@@ -224,7 +232,8 @@ mod tests {
         let hit = Shape::Sphere.hit(&ray, f64::MAX).expect("met");
         assert!((hit.distance - 2.2).abs() < 1e-15);
         assert!((hit.frame.normal - Vector::new(0.8, 0.6, 0.0)).length_squared() < 1e-30);
-        assert!((hit.uv[1] - 0.5).abs() < 1e-15 && hit.frame.tangent.dot(Vector::new(-0.6, 0.8, 0.0)) > 0.999);
+        let point = Shape::Sphere.point(&hit, 2.2, 0.0);
+        assert!((point.uv[1] - 0.5).abs() < 1e-15 && point.uv_per_length[0] < 0.16 && hit.frame.tangent.dot(Vector::new(-0.6, 0.8, 0.0)) > 0.999);
         let away = Ray { direction: Vector::new(1.0, 0.0, 0.0), ..ray };
         assert!(Shape::Sphere.hit(&away, f64::MAX).is_none());
         assert!(Shape::Sphere.hit(&ray, 2.0).is_none());

@@ -140,7 +140,7 @@ impl Torus {
             position,
             geometric: normal,
             frame: Frame::from_normal_and_tangent(normal, Vector::new(-outwards.y, outwards.x, R::ZERO)),
-            uv: [turn(outwards.x, outwards.y), v],
+            uv: [R::ZERO; 2],
             uv_per_length: [
                 around_per_length(position.sin_squared().sqrt()),
                 R::from_f64(0.5 * core::f64::consts::FRAC_1_PI / self.minor),

@@ -205,7 +205,7 @@ const ROW: usize = 22;
 
 fn row(scene: &Scene, fragment: &Fragment<f32>) -> Option<[u32; ROW]> {
     let hit = fragment.hit.as_ref()?;
-    let point = hit.point(hit.distance, scene.camera.spread() as f32);
+    let point = scene.shape.point(hit, hit.distance, scene.camera.spread() as f32);
     let mut row = [0u32; ROW];
     let vectors = [fragment.ray.direction, point.position, point.tangent, point.bitangent, hit.frame.normal];
     let vectors = vectors.map(|v| [v.x, v.y, v.z]);

@@ -116,7 +116,7 @@ fn environment_sample(u: vec4f) -> Shone {
     if !environment_shines() {
         return Shone(vec3f(0.0, 0.0, 1.0), 0.0, vec3f(0.0, 0.0, 0.0));
     }
-    let side = scene_word(24u);
+    let side = min(scene_word(24u), 128u);
     let count = side * side;
     // Sides are powers of two: the product is exact.
     let place = min(u32(u.x * f32(count)), count - 1u);
