@@ -74,7 +74,8 @@ fn no_material_reflects_more_than_arrives() {
     let options = Options { samples: 32, ..Options::default() };
     // As printed, two of the documents' materials gain energy; FORMULAS.md, errata 12 and 4.
     for found in built_in::all().into_iter().filter(|found| !found.name.ends_with("as_printed")) {
-        let film = offline::render::<f64>(&scene(found.material().unwrap(), Environment::furnace(), 32), options, &silent);
+        let film =
+            offline::render::<f64>(&scene(found.material().unwrap(), Environment::furnace(), 32), options, &silent);
         furnace_holds(found.name, &film);
     }
 }
@@ -197,7 +198,16 @@ fn agrees(what: &str, a: &Film, b: &Film) {
 fn erfc(x: f64) -> f64 {
     let t = 1.0 / (1.0 + 0.5 * x.abs());
     let poly = [
-        0.17087277, -0.82215223, 1.48851587, -1.13520398, 0.27886807, -0.18628806, 0.09678418, 0.37409196, 1.00002368, -1.26551223,
+        0.17087277,
+        -0.82215223,
+        1.48851587,
+        -1.13520398,
+        0.27886807,
+        -0.18628806,
+        0.09678418,
+        0.37409196,
+        1.00002368,
+        -1.26551223,
     ];
     let sum = poly.iter().fold(0.0, |sum, c| sum * t + c);
     let y = t * (-x * x + sum).exp();
@@ -363,7 +373,8 @@ mod on_a_gpu {
             for (name, scene) in scenes() {
                 let options = |seed| Options { samples: 64, seed, ..Options::default() };
                 let want = offline::render::<f64>(&scene, options(1), &silent);
-                let got = gpu::offline(&gpu, &scene, options(2), &silent).unwrap_or_else(|error| panic!("{name}: {error}"));
+                let got =
+                    gpu::offline(&gpu, &scene, options(2), &silent).unwrap_or_else(|error| panic!("{name}: {error}"));
                 agrees(&format!("{}: {name}", gpu.info()), &got, &want);
             }
         }
@@ -391,7 +402,8 @@ mod on_a_gpu {
     fn a_model_without_a_twin_is_refused() {
         let coupled = stack::by_name("clear_coat_over_copper").unwrap().with_model(Model::Coupled);
         for gpu in adapters_for_tests() {
-            let refused = gpu::offline(&gpu, &scene(coupled.clone(), Environment::furnace(), 4), Options::default(), &silent);
+            let refused =
+                gpu::offline(&gpu, &scene(coupled.clone(), Environment::furnace(), 4), Options::default(), &silent);
             let error = refused.expect_err("no twin").to_string();
             assert!(error.contains("coupled") && error.lines().count() == 1, "{error}");
         }

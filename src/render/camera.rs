@@ -43,7 +43,11 @@ impl Camera {
     /// Names what is out of range: a picture without pixels or of more than 2²⁸, and the ranges of [`Orbit`].
     pub fn new(orbit: &Orbit, width: u32, height: u32) -> Result<Self, String> {
         let range = |name: &str, value: f64, low: f64, high: f64| {
-            if value >= low && value <= high { Ok(()) } else { Err(format!("{name} is {value}; it lies in [{low}, {high}]")) }
+            if value >= low && value <= high {
+                Ok(())
+            } else {
+                Err(format!("{name} is {value}; it lies in [{low}, {high}]"))
+            }
         };
         if width == 0 || height == 0 || u64::from(width) * u64::from(height) > 1 << 28 {
             return Err(format!("a picture of {width}×{height}; it has at least 1×1 and at most 2²⁸ pixels"));
@@ -53,11 +57,7 @@ impl Camera {
         range("the distance", orbit.distance, 1e-3, 1e6)?;
         range("the field of view", orbit.field, 1.0, 170.0)?;
         let (azimuth, elevation) = (orbit.azimuth.to_radians(), orbit.elevation.to_radians());
-        let back = Vector::new(
-            elevation.cos() * azimuth.sin(),
-            -elevation.cos() * azimuth.cos(),
-            elevation.sin(),
-        );
+        let back = Vector::new(elevation.cos() * azimuth.sin(), -elevation.cos() * azimuth.cos(), elevation.sin());
         let right = Vector::new(azimuth.cos(), azimuth.sin(), 0.0);
         let tangent = (0.5 * orbit.field.to_radians()).tan();
         let aspect = f64::from(width) / f64::from(height);
@@ -122,7 +122,9 @@ mod tests {
         // Upper left: above and to the left.
         let [_, forward, right, up] = camera.vectors();
         let corner: Ray<f64> = camera.ray(0, [0.0, 0.0]);
-        assert!(corner.direction.dot(up) > 0.0 && corner.direction.dot(right) < 0.0 && corner.direction.dot(forward) > 0.0);
+        assert!(
+            corner.direction.dot(up) > 0.0 && corner.direction.dot(right) < 0.0 && corner.direction.dot(forward) > 0.0
+        );
         assert!(up.z > 0.0);
     }
 

@@ -157,6 +157,7 @@ impl Environment {
         &self.map
     }
 
+    #[cfg(feature = "gpu")]
     pub(crate) fn alias(&self) -> &[Alias] {
         &self.alias
     }

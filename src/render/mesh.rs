@@ -71,7 +71,11 @@ impl Mesh {
                 for axis in 0..3 {
                     let x = vertex.position[axis];
                     if !x.is_finite() {
-                        return Err(format!("triangle {}: a vertex at {:?}; coordinates are finite", i + 1, vertex.position));
+                        return Err(format!(
+                            "triangle {}: a vertex at {:?}; coordinates are finite",
+                            i + 1,
+                            vertex.position
+                        ));
                     }
                     low[axis] = low[axis].min(x);
                     high[axis] = high[axis].max(x);
@@ -212,8 +216,7 @@ fn interpolated<R: Number>(triangle: &[Vertex; 3], ray: &Ray<R>, distance: R, b:
     let inverse = R::ONE / across.length_squared();
     let (slope_b, slope_c) = (edge_c.cross(across) * inverse, across.cross(edge_b) * inverse);
     let gradient = |b: R, c: R| slope_b * b + slope_c * c;
-    let uv_per_length =
-        [gradient(du_b, du_c).dot(frame.tangent), gradient(dv_b, dv_c).dot(frame.bitangent)];
+    let uv_per_length = [gradient(du_b, du_c).dot(frame.tangent), gradient(dv_b, dv_c).dot(frame.bitangent)];
     let [oa, ob, oc] = triangle.each_ref().map(|vertex| R::from_f64(f64::from(vertex.occlusion)));
     Hit {
         distance,

@@ -113,27 +113,32 @@ impl Map {
     }
 
     /// The three channels at a direction, bilinear, and the fourth number of the texel that it falls into.
+    ///
+    /// Texels are blended in f32, whatever the direction's numbers: they have no more digits.
     #[inline]
     pub fn look<R: Real>(&self, w: Vector<R>) -> ([R; 3], R) {
         let [x, y] = square(w);
-        let size = R::from_f64(self.side as f64);
-        let place = |v: R| ((v + R::ONE) * R::HALF * size).max(R::ZERO).min(size);
+        let size = self.side as f32;
+        // A direction that is not a number falls into the first texel.
+        let place = |v: R| (((v + R::ONE).to_f64() as f32) * (0.5 * size)).max(0.0).min(size) + 0.5;
         let (x, y) = (place(x), place(y));
-        let half = |v: R| (v + R::HALF).to_f64() as usize;
-        let (column, row) = (half(x), half(y));
-        let (u, v) = (x + R::HALF - R::from_f64(column as f64), y + R::HALF - R::from_f64(row as f64));
+        let (column, row) = (x as usize, y as usize);
+        let (u, v) = (x - column as f32, y - row as f32);
         let stride = self.side + 2;
-        let at = |column: usize, row: usize| self.texels.get(row * stride + column).copied().unwrap_or_default();
-        let (a, b) = (at(column, row), at(column + 1, row));
-        let (c, d) = (at(column, row + 1), at(column + 1, row + 1));
-        let mix = |i: usize| {
-            let [a, b, c, d] = [a[i], b[i], c[i], d[i]].map(|t| R::from_f64(f64::from(t)));
-            let (top, bottom) = (a + (b - a) * u, c + (d - c) * u);
-            top + (bottom - top) * v
+        let pair = |start: usize| match self.texels.get(start..start + 2) {
+            Some([a, b]) => (*a, *b),
+            _ => Default::default(),
         };
-        let inside = |v: R| (v.to_f64() as usize).min(self.side - 1);
-        let [.., fourth] = self.texel(inside(x), inside(y));
-        ([mix(0), mix(1), mix(2)], R::from_f64(f64::from(fourth)))
+        let (a, b) = pair(row * stride + column);
+        let (c, d) = pair((row + 1) * stride + column);
+        let mix = |i: usize| {
+            let (top, bottom) = (a[i] + (b[i] - a[i]) * u, c[i] + (d[i] - c[i]) * u);
+            R::from_f64(f64::from(top + (bottom - top) * v))
+        };
+        // The centres of the four are half a texel away: beyond the middle it is the next one's.
+        let [left, right] = if v < 0.5 { [a, b] } else { [c, d] };
+        let inside = if u < 0.5 { left } else { right };
+        ([mix(0), mix(1), mix(2)], R::from_f64(f64::from(inside[3])))
     }
 
     /// The direction of the centre of a texel, and its solid angle but for second order.

@@ -39,7 +39,9 @@ impl<'a, R: Number> Shading<'a, R> {
 fn whole(material: &Material) -> Option<&Stack<f64, 3>> {
     let [Part { finish, .. }] = material.parts() else { return None };
     match &finish.body {
-        Body::Whole(stack) if finish.relief.is_none() && finish.reflectivity == Colour::Constant([1.0; 3]) => Some(stack),
+        Body::Whole(stack) if finish.relief.is_none() && finish.reflectivity == Colour::Constant([1.0; 3]) => {
+            Some(stack)
+        }
         _ => None,
     }
 }

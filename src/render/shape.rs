@@ -233,7 +233,11 @@ mod tests {
         assert!((hit.distance - 2.2).abs() < 1e-15);
         assert!((hit.frame.normal - Vector::new(0.8, 0.6, 0.0)).length_squared() < 1e-30);
         let point = Shape::Sphere.point(&hit, 2.2, 0.0);
-        assert!((point.uv[1] - 0.5).abs() < 1e-15 && point.uv_per_length[0] < 0.16 && hit.frame.tangent.dot(Vector::new(-0.6, 0.8, 0.0)) > 0.999);
+        assert!(
+            (point.uv[1] - 0.5).abs() < 1e-15
+                && point.uv_per_length[0] < 0.16
+                && hit.frame.tangent.dot(Vector::new(-0.6, 0.8, 0.0)) > 0.999
+        );
         let away = Ray { direction: Vector::new(1.0, 0.0, 0.0), ..ray };
         assert!(Shape::Sphere.hit(&away, f64::MAX).is_none());
         assert!(Shape::Sphere.hit(&ray, 2.0).is_none());

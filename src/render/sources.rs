@@ -39,9 +39,8 @@ fn sky(w: Vector<f64>) -> [f64; 3] {
     }
     let apart = w.dot(SUN).clamp(-1.0, 1.0).acos();
     let gradation = |cos: f64| 1.0 - (-0.32 / cos.max(0.01)).exp();
-    let indicatrix = |x: f64| {
-        1.0 + 10.0 * ((-3.0 * x).exp() - (-3.0 * core::f64::consts::FRAC_PI_2).exp()) + 0.45 * x.cos().powi(2)
-    };
+    let indicatrix =
+        |x: f64| 1.0 + 10.0 * ((-3.0 * x).exp() - (-3.0 * core::f64::consts::FRAC_PI_2).exp()) + 0.45 * x.cos().powi(2);
     let zenith = gradation(1.0) * indicatrix(SUN.z.acos());
     let relative = gradation(w.z) * indicatrix(apart) / zenith;
     let low = (1.0 - w.z).powi(3);

@@ -166,7 +166,8 @@ mod tests {
             let direction = (target - origin).normalized();
             let ray = Ray { origin, direction };
             // The quartic's first root by its sign: 20000 steps along the ray.
-            let inside = (0..20000).map(|i| 2.0 + 4.0 * f64::from(i) / 20000.0).find(|t| torus.distance(ray.at(*t)) < 0.0);
+            let inside =
+                (0..20000).map(|i| 2.0 + 4.0 * f64::from(i) / 20000.0).find(|t| torus.distance(ray.at(*t)) < 0.0);
             let Some(hit) = torus.hit(&ray, f64::MAX) else {
                 // A ray that stays within a step of the surface may be missed by the march, never the other way round.
                 assert!(inside.is_none(), "{ray:?}");

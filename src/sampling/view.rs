@@ -2,9 +2,9 @@
 
 use super::{Lobe, Sample, Shape, Weights, below_one, cosine_hemisphere, cosine_share, visit};
 use crate::frame::Vector;
-use crate::refraction::refract;
 use crate::layered::{Layer, Model, Stack};
 use crate::real::{Mask, Real};
+use crate::refraction::refract;
 use alloc::vec::Vec;
 
 /// The lobes that a view keeps without allocating: three interfaces and a base.
@@ -214,7 +214,9 @@ mod tests {
         let layers: Vec<_> = (0..5).map(|_| Layer::new(dispersing)).collect();
         let deep = Stack::<f64, 3>::new(Model::Conserving, layers).expect("valid");
         let stacks = built_in().into_iter().map(|m| m.stack).chain([deep]);
-        for stack in stacks.flat_map(|stack| [Model::Conserving, Model::Elek, Model::Coupled].map(|m| stack.clone().with_model(m))) {
+        for stack in stacks
+            .flat_map(|stack| [Model::Conserving, Model::Elek, Model::Coupled].map(|m| stack.clone().with_model(m)))
+        {
             for sample in 0..200 {
                 let [a, b, c, d]: [f64; 4] = random(3, sample, 0);
                 let [u, v, w, _]: [f64; 4] = random(3, sample, 1);
@@ -246,9 +248,8 @@ mod tests {
                     let (mut sum, mut squares) = (0.0, 0.0);
                     for i in 0..n {
                         let [u, v, w, _]: [f64; 4] = random(seed, i, 0);
-                        let weight = draw([u, v, w]).map_or(0.0, |sample| {
-                            material.stack.evaluate(sample.wi, wo)[0] * sample.wi.z / sample.pdf
-                        });
+                        let weight = draw([u, v, w])
+                            .map_or(0.0, |sample| material.stack.evaluate(sample.wi, wo)[0] * sample.wi.z / sample.pdf);
                         sum += weight;
                         squares += weight * weight;
                     }

@@ -156,10 +156,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
 fn summary(film: &Film) -> [[f64; 3]; 2] {
     let count = film.mean().len().max(1) as f64;
     let channel = |c: usize| film.mean().iter().map(move |pixel| f64::from(pixel[c]));
-    [
-        std::array::from_fn(|c| channel(c).sum::<f64>() / count),
-        std::array::from_fn(|c| channel(c).fold(0.0, f64::max)),
-    ]
+    [std::array::from_fn(|c| channel(c).sum::<f64>() / count), std::array::from_fn(|c| channel(c).fold(0.0, f64::max))]
 }
 
 fn picture(

@@ -5,12 +5,12 @@
 
 mod words;
 
+use super::Progress;
 use super::film::{Film, Tally};
 use super::offline::{self, Options};
 use super::prefilter::Prefiltered;
 use super::realtime::{self, Fragment};
 use super::scene::Scene;
-use super::Progress;
 use crate::gpu::{Gpu, GpuError, Kernel};
 use crate::wgsl::{self, LinkError, NoTwin};
 use core::fmt;
@@ -21,6 +21,9 @@ pub const DISPATCH: Duration = Duration::from_millis(300);
 
 /// The paths of a row: few enough that their f32 sum rounds less than it varies, the same whatever the device's speed.
 const PATHS: u32 = 4;
+
+/// Fragments that are found before they are shaded: 23 MB.
+const BAND: u32 = 1 << 18;
 
 /// Rows of the first dispatch, whose time decides about the next.
 const FIRST: usize = 1024;
@@ -174,27 +177,32 @@ pub fn realtime(gpu: &Gpu, scene: &Scene, side: u32, progress: &Progress<'_>) ->
     let words = words::words(scene, &Options::default(), Some(&environment));
     let program = Program::new(gpu, scene, &[SCENE, REALTIME], "shade_fragment", &words)?;
     let pixels = scene.camera.pixels() as u32;
-    let (mut rows, mut owners) = (Vec::new(), Vec::new());
     let mut tallies = vec![Tally::default(); pixels as usize];
-    for pixel in 0..pixels {
-        for fragment in realtime::fragments::<f32>(scene, side, pixel) {
-            match row(scene, &fragment) {
-                Some(row) => {
-                    rows.extend(row);
-                    owners.push(pixel);
-                }
-                None => {
-                    if let Some(tally) = tallies.get_mut(pixel as usize) {
-                        tally.add(realtime::shade(scene, &environment, &fragment).map(f64::from));
+    let band = (BAND / side.max(1).saturating_mul(side.max(1))).max(1);
+    for first in (0..pixels).step_by(band as usize) {
+        let (mut rows, mut owners) = (Vec::new(), Vec::new());
+        for pixel in first..first.saturating_add(band).min(pixels) {
+            for fragment in realtime::fragments::<f32>(scene, side, pixel) {
+                match row(scene, &fragment) {
+                    Some(row) => {
+                        rows.extend(row);
+                        owners.push(pixel);
+                    }
+                    None => {
+                        if let Some(tally) = tallies.get_mut(pixel as usize) {
+                            tally.add(realtime::shade(scene, &environment, &fragment).map(f64::from));
+                        }
                     }
                 }
             }
         }
-    }
-    let results = program.run(&rows, ROW, progress)?;
-    for (pixel, radiance) in owners.into_iter().zip(results.chunks_exact(3)) {
-        if let (Some(tally), [r, g, b]) = (tallies.get_mut(pixel as usize), radiance) {
-            tally.add([*r, *g, *b].map(f64::from));
+        let share = f64::from(band.min(pixels - first)) / f64::from(pixels);
+        let part = |done: f64| progress(f64::from(first) / f64::from(pixels) + done * share);
+        let results = program.run(&rows, ROW, &part)?;
+        for (pixel, radiance) in owners.into_iter().zip(results.chunks_exact(3)) {
+            if let (Some(tally), [r, g, b]) = (tallies.get_mut(pixel as usize), radiance) {
+                tally.add([*r, *g, *b].map(f64::from));
+            }
         }
     }
     Ok(Film::new(scene.camera.width(), scene.camera.height(), &tallies))
@@ -209,7 +217,8 @@ fn row(scene: &Scene, fragment: &Fragment<f32>) -> Option<[u32; ROW]> {
     let mut row = [0u32; ROW];
     let vectors = [fragment.ray.direction, point.position, point.tangent, point.bitangent, hit.frame.normal];
     let vectors = vectors.map(|v| [v.x, v.y, v.z]);
-    let rest = point.uv.into_iter().chain(point.uv_per_length).chain([point.occlusion, point.distance, point.footprint]);
+    let rest =
+        point.uv.into_iter().chain(point.uv_per_length).chain([point.occlusion, point.distance, point.footprint]);
     for (word, x) in row.iter_mut().zip(vectors.as_flattened().iter().copied().chain(rest)) {
         *word = x.to_bits();
     }

@@ -39,11 +39,14 @@ pub(super) fn words(scene: &Scene, options: &Options, levels: Option<&Prefiltere
     }
     words.set(16, (camera.spread() as f32).to_bits());
     words.set(17, options.depth);
-    words.set(18, match options.strategy {
-        Strategy::Both => 0,
-        Strategy::Environment => 1,
-        Strategy::Material => 2,
-    });
+    words.set(
+        18,
+        match options.strategy {
+            Strategy::Both => 0,
+            Strategy::Environment => 1,
+            Strategy::Material => 2,
+        },
+    );
     words.set(21, scene.lights.len() as u32);
     words.here(22);
     for light in &scene.lights {
@@ -72,7 +75,8 @@ pub(super) fn words(scene: &Scene, options: &Options, levels: Option<&Prefiltere
             }
             words.here(27);
             for vertex in mesh.triangles().iter().flatten() {
-                words.reals(vertex.position.into_iter().chain(vertex.normal).chain(vertex.uv).chain([vertex.occlusion]));
+                words
+                    .reals(vertex.position.into_iter().chain(vertex.normal).chain(vertex.uv).chain([vertex.occlusion]));
             }
         }
     }

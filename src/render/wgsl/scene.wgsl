@@ -86,7 +86,7 @@ fn map_look(start: u32, side: u32, w: vec3f) -> Seen {
     let d = _texel(start, stride, corner.x + 1u, corner.y + 1u);
     let top = a + (b - a) * share.x;
     let bottom = c + (d - c) * share.x;
-    let inside = min(vec2u(place), vec2u(side - 1u, side - 1u)) + 1u;
+    let inside = corner + select(vec2u(0u, 0u), vec2u(1u, 1u), share >= vec2f(0.5, 0.5));
     return Seen(top + (bottom - top) * share.y, scene_real(start + 4u * (inside.y * stride + inside.x) + 3u));
 }
 
