@@ -37,6 +37,9 @@ fn factor(h: vec3f, alpha: f32, flakes: Flakes, position: vec3f, footprint: f32)
     }
     let share = clamp(ratio - 1.0, 0.0, 1.0);
     let near = _grain(flakes, resolution, side, column, row, position, level, finer);
+    if share <= 0.0 {
+        return near;
+    }
     let far = _grain(flakes, resolution, side, column, row, position, level + 1u, 0.5 * finer);
     return near * (1.0 - share) + far * share;
 }
@@ -48,48 +51,65 @@ fn leaf(key: vec4u, count: f32, resolution: u32, column: u32, row: u32) -> f32 {
     let opposite = column > last / 2u;
     let i = select(column, last - column, opposite);
     let j = select(row, last - row, opposite);
+    let steps = 2u * depth - 1u;
     var held = count;
     var node = 1u;
-    // The first digit of the column is the side that was folded away.
-    for (var step = 0u; step < 2u * depth - 1u; step++) {
-        if held <= 0.0 {
-            break;
-        }
-        let half = step / 2u;
-        let of_row = (step & 1u) == 0u;
-        let digit = (select(i, j, of_row) >> (depth - select(2u, 1u, of_row) - half)) & 1u;
-        let left = _dealt(held, random::_words(vec4u(key.xyz, key.w + node)));
-        held = select(max(held - left, 0.0), left, digit == 0u);
+    var step = 0u;
+    for (; step < steps && held >= _many; step++) {
+        let ones = countOneBits(_bits(key, node));
+        let uneven = (f32(ones.x + ones.y + ones.z + ones.w) - 64.0) * sqrt(held * (1.0 / _many));
+        let digit = _digit(i, j, depth, step);
+        held = max(0.5 * held + select(-uneven, uneven, digit == 0u), 0.0);
         node = 2u * node + digit;
     }
-    return 0.5 * held;
+    if step == steps {
+        return 0.5 * held;
+    }
+    // Fewer: whole flakes, and what is left of one, which stays together.
+    var whole = u32(min(held, _many - 1.0));
+    var rest = clamp(held - f32(whole), 0.0, 1.0);
+    for (; step < steps && (whole > 0u || rest > 0.0); step++) {
+        let words = _bits(key, node);
+        let ones = countOneBits(words & _below(whole));
+        let left = ones.x + ones.y + ones.z + ones.w;
+        let goes_left = ((words[whole >> 5u] >> (whole & 31u)) & 1u) == 1u;
+        let digit = _digit(i, j, depth, step);
+        whole = select(whole - left, left, digit == 0u);
+        rest = select(0.0, rest, goes_left == (digit == 0u));
+        node = 2u * node + digit;
+    }
+    return 0.5 * (f32(whole) + rest);
 }
 
-// How many of count flakes go to the left, by 128 random bits: the binomial law up to 128 flakes, its two moments above.
-fn _dealt(count: f32, words: vec4u) -> f32 {
-    if count < 128.0 {
-        let whole = u32(count);
-        let ones = countOneBits(words & _below(whole));
-        let next = (words[whole >> 5u] >> (whole & 31u)) & 1u;
-        return f32(ones.x + ones.y + ones.z + ones.w) + (count - f32(whole)) * f32(next);
-    }
-    let ones = countOneBits(words);
-    return 0.5 * count + (f32(ones.x + ones.y + ones.z + ones.w) - 64.0) * sqrt(count * 0.0078125);
+// From so many flakes on they are dealt by the moments of the binomial law, below by its bits.
+const _many: f32 = 128.0;
+
+// The side to which a step goes. The first digit of the column is the side that was folded away.
+fn _digit(column: u32, row: u32, depth: u32, step: u32) -> u32 {
+    let of_row = (step & 1u) == 0u;
+    return (select(column, row, of_row) >> (depth - select(2u, 1u, of_row) - step / 2u)) & 1u;
+}
+
+// The random bits of a node.
+fn _bits(key: vec4u, node: u32) -> vec4u {
+    return random::_words(vec4u(key.xyz, key.w + node));
 }
 
 // The first bits of four words, fewer than 128.
 fn _below(bits: u32) -> vec4u {
     let starts = vec4u(0u, 32u, 64u, 96u);
-    let kept = select(vec4u(0u, 0u, 0u, 0u), vec4u(bits, bits, bits, bits) - starts, vec4u(bits, bits, bits, bits) > starts);
+    let all = vec4u(bits, bits, bits, bits);
+    let kept = select(vec4u(0u, 0u, 0u, 0u), all - starts, all > starts);
     let some = (vec4u(1u, 1u, 1u, 1u) << (kept & vec4u(31u, 31u, 31u, 31u))) - vec4u(1u, 1u, 1u, 1u);
-    return select(some, vec4u(~0u, ~0u, ~0u, ~0u), kept >= vec4u(32u, 32u, 32u, 32u));
+    let full = vec4u(0xffffffffu, 0xffffffffu, 0xffffffffu, 0xffffffffu);
+    return select(some, full, kept >= vec4u(32u, 32u, 32u, 32u));
 }
 
 // The factor at one level of detail.
 fn _grain(flakes: Flakes, resolution: u32, side: f32, column: f32, row: f32, position: vec3f, level: u32, finer: f32) -> f32 {
     let count = flakes.count / (finer * finer);
     // No grain is left.
-    if count > 16384.0 * (side * side) {
+    if count >= 16384.0 * (side * side) {
         return 1.0;
     }
     let key = _cell(position, flakes.spacing, finer, level, flakes.seed);
@@ -100,7 +120,7 @@ fn _grain(flakes: Flakes, resolution: u32, side: f32, column: f32, row: f32, pos
     let v = clamp(row - f32(j), 0.0, 1.0);
     let low = leaf(key, count, resolution, i, j) * (1.0 - u) + leaf(key, count, resolution, i + 1u, j) * u;
     let high = leaf(key, count, resolution, i, j + 1u) * (1.0 - u) + leaf(key, count, resolution, i + 1u, j + 1u) * u;
-    return (low * (1.0 - v) + high * v) * (side * side / count);
+    return (low * (1.0 - v) + high * v) / count * (side * side);
 }
 
 // The random words of the cell that a position lies in.

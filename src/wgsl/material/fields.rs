@@ -7,13 +7,11 @@ use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-/// A number as WGSL writes it: the nearest f32, which is finite.
+/// A number as WGSL writes it, in all its digits: a shader in double precision has them all.
 pub(super) fn literal(x: f64) -> String {
-    let single = (x as f32).clamp(f32::MIN, f32::MAX);
-    // The shortest text that is read back as the same number.
-    let text = if single.abs() >= 1e-4 && single.abs() < 1e9 { format!("{single:?}") } else { format!("{single:e}") };
-    let text = if text.contains(['.', 'e']) { text } else { format!("{text}.0") };
-    if single < 0.0 { format!("({text})") } else { text }
+    let most = f64::from(f32::MAX);
+    let text = format!("{:?}", x.clamp(-most, most));
+    if text.starts_with('-') { format!("({text})") } else { text }
 }
 
 pub(super) fn vector([x, y, z]: [f64; 3]) -> String {

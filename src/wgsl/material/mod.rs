@@ -398,7 +398,7 @@ fn coat_expression(coat: &Coat, returned: f64, statements: &mut Statements<'_>) 
                 0.0 => albedo,
                 returned => format!("{albedo} / (vec3f(1.0) - {albedo} * {})", literal(returned)),
             };
-            (zero.clone(), "1.0".to_string(), zero, KINDS[1], albedo, format!("clamp({sigma}, 0.0, 1.5707963)"))
+            (zero.clone(), "1.0".to_string(), zero, KINDS[1], albedo, format!("clamp({sigma}, 0.0, 1.57079632679489662)"))
         }
     };
     let (sigma, thickness) = (statements.colour(&coat.sigma), statements.scalar(&coat.thickness));
@@ -458,7 +458,7 @@ fn widen(layers: &Layers, first: usize) -> String {
             for layer in microfacets {
                 text += &format!(
                     "    {{\n        let own = spot_layers[{layer}].alpha;\n        \
-                     let index = dot(spot_layers[{layer}].n, vec3f(0.33333334));\n        \
+                     let index = dot(spot_layers[{layer}].n, vec3f(1.0 / 3.0));\n        \
                      spot_layers[{layer}].alpha = min(sqrt(own * own + 2.0 * spread), 1.0);\n        \
                      let inverse = index_above / index;\n        let added = 0.5 * (1.0 - inverse) * own;\n        \
                      spread = spread * inverse * inverse + added * added;\n        index_above = index;\n    }}\n"

@@ -82,7 +82,7 @@ fn _layer_mirror(first: u32, at: u32, wo: vec3f) -> Mirror {
     var seen = vec3f(1.0, 1.0, 1.0);
     var lit = vec3f(1.0, 1.0, 1.0);
     var view = wo;
-    var light = vec3f(0.8660254, 0.0, 0.5);
+    var light = vec3f(0.866025403784438647, 0.0, 0.5);
     var n_above = 1.0;
     for (var position = 0u; position < at; position++) {
         let layer = spot_layers[first + position];
