@@ -53,7 +53,7 @@ pub fn beckmann_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R 
 }
 
 #[inline(always)]
-fn beckmann_anisotropic_wide<W: Real, R: Real<Wide = W>>(h: Vector<W>, alpha_x: W, alpha_y: W) -> W {
+pub(crate) fn beckmann_anisotropic_wide<W: Real, R: Real<Wide = W>>(h: Vector<W>, alpha_x: W, alpha_y: W) -> W {
     let (inside, z) = upper(h);
     let x = Twofold::new(h.x) / Twofold::product(z, alpha_x);
     let y = Twofold::new(h.y) / Twofold::product(z, alpha_y);
@@ -97,7 +97,7 @@ pub fn ggx_anisotropic<R: Real>(h: Vector<R>, alpha_x: R, alpha_y: R) -> R {
 }
 
 #[inline(always)]
-fn ggx_anisotropic_wide<W: Real>(h: Vector<W>, alpha_x: W, alpha_y: W) -> W {
+pub(crate) fn ggx_anisotropic_wide<W: Real>(h: Vector<W>, alpha_x: W, alpha_y: W) -> W {
     let (inside, z) = upper(h);
     let (x, y) = (Twofold::new(h.x) / alpha_x, Twofold::new(h.y) / alpha_y);
     let (s, z_squared) = (h.carried().sin_squared_carried(), Twofold::square(z));

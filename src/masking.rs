@@ -38,7 +38,7 @@ pub fn v_cavity<R: Real>(cos_i: R, cos_o: R, h: Vector<R>) -> Masking<R> {
 }
 
 #[inline(always)]
-fn v_cavity_wide<W: Real>(cos_i: W, cos_o: W, h: Vector<W>) -> Masking<W> {
+pub(crate) fn v_cavity_wide<W: Real>(cos_i: W, cos_o: W, h: Vector<W>) -> Masking<W> {
     let inside = cos_i.gt(W::ZERO) & cos_o.gt(W::ZERO);
     let (least, most) = (cos_i.min(cos_o), cos_i.max(cos_o));
     let guard = |x: W| W::select(inside, x, W::ONE);
@@ -66,7 +66,7 @@ pub fn smith_ggx<R: Real>(wi: Vector<R>, wo: Vector<R>, alpha_x: R, alpha_y: R) 
 }
 
 #[inline(always)]
-fn smith_ggx_wide<W: Real>(wi: Vector<W>, wo: Vector<W>, alpha_x: W, alpha_y: W) -> Masking<W> {
+pub(crate) fn smith_ggx_wide<W: Real>(wi: Vector<W>, wo: Vector<W>, alpha_x: W, alpha_y: W) -> Masking<W> {
     let (root_i, root_o) = (stretched_length(wi, alpha_x, alpha_y), stretched_length(wo, alpha_x, alpha_y));
     correlated(wi.z, wo.z, Twofold::new(W::HALF * root_i), Twofold::new(W::HALF * root_o))
 }
@@ -139,7 +139,7 @@ pub fn projected_area_ggx<R: Real>(w: Vector<R>, alpha_x: R, alpha_y: R) -> R {
 }
 
 #[inline(always)]
-fn projected_area_ggx_wide<W: Real>(w: Vector<W>, alpha_x: W, alpha_y: W) -> W {
+pub(crate) fn projected_area_ggx_wide<W: Real>(w: Vector<W>, alpha_x: W, alpha_y: W) -> W {
     W::HALF * (w.z + stretched_length(w, alpha_x, alpha_y))
 }
 

@@ -472,7 +472,7 @@ fn spread<R: Real>(view: Vector<R>, alpha: R, n: R, least: R) -> R {
 
 /// A number clamped to [0, 1), to the largest below 1: a logarithm of the rest stays finite.
 #[inline(always)]
-fn below_one<R: Real>(u: R) -> R {
+pub(crate) fn below_one<R: Real>(u: R) -> R {
     u.saturate().min(R::ONE - R::HALF * R::EPSILON)
 }
 

@@ -8,3 +8,8 @@ fn patina_extent(extent: f32, transition: f32, value: f32) -> f32 {
     let soft = 1.0 - t * t * (3.0 - 2.0 * t);
     return select(soft, select(0.0, 1.0, value <= extent), sharp);
 }
+
+// (1-sigma)(1-F)·NL, the diffuse light as the listing adds it: negative for sigma > 1.
+fn diffuse_as_printed(sigma: f32, fresnel: f32, cos_i: f32) -> f32 {
+    return (1.0 - sigma) * (1.0 - fresnel) * max(cos_i, 0.0);
+}

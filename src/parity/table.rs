@@ -6,7 +6,7 @@ use crate::frame::Vector;
 use crate::gpu::{StackBuffers, StackPlace};
 use crate::interval::WgslInterval;
 use crate::layered::{self, Interface, Layer, Model, Stack};
-use crate::material::{metal::METALS, patina, stack::built_in};
+use crate::material::{brushed, flake, glint, kubelka_munk, metal::METALS, patina, stack::built_in};
 use crate::real::Real;
 use crate::table::{DistributionTable, ENTRIES, FresnelTable, Mapping, SIDE};
 use crate::{
@@ -148,6 +148,30 @@ fn cosines_and_half(d: &mut Draw) -> Vec<f64> {
 fn pair_and_widths(d: &mut Draw) -> Vec<f64> {
     let (x, y) = (d.width(), d.width());
     flat![d.pair(x.max(y)), x, y]
+}
+
+fn pair_metal_and_widths(d: &mut Draw) -> Vec<f64> {
+    let (x, y) = (d.width(), d.width());
+    let (n, k) = ([d.index(), d.index(), d.index()], [d.extinction(), d.extinction(), d.extinction()]);
+    flat![d.pair(x.max(y)), n, k, x, y]
+}
+
+/// The words of a cell, a number of flakes, and a leaf of a square of leaves.
+fn flakes_of_a_leaf(d: &mut Draw) -> Vec<f64> {
+    let (resolution, count) = (1.0 + (8.0 * d.unit()).floor(), d.between(0.0, 400.0));
+    let mut index = || (resolution.exp2() * d.unit()).floor();
+    let (column, row) = (index(), index());
+    flat![[d.word(), d.word(), d.word(), d.word()], count, resolution, column, row]
+}
+
+/// A half vector and its width, flakes, a place and a footprint. No count or ratio of lengths is a whole number, at which the
+/// rules leave open to which side rounding falls.
+fn half_flakes_and_place(d: &mut Draw) -> Vec<f64> {
+    let (width, spacing) = (d.width(), 0.01 + d.unit());
+    let (count, resolution) = (0.3 + 3.0 * d.unit(), 1.0 + (6.0 * d.unit()).floor());
+    let position = [d.between(-3.0, 3.1), d.between(-3.0, 3.1), d.between(-3.0, 3.1)];
+    let footprint = spacing * 10f64.powf(3.0 * d.unit() - 0.5);
+    flat![d.half_vector(width), width, spacing, count, resolution, d.word(), position, footprint]
 }
 
 fn half_and_width(d: &mut Draw) -> Vec<f64> {
@@ -568,6 +592,38 @@ pub fn twins() -> Vec<Twin> {
 
         twin!(patina::patina_extent / 3, |d| flat![d.between(-1.0, 2.0), d.fraction(), d.fraction()],
             |a| [patina::patina_extent(a[0], a[1], a[2])]),
+        twin!(patina::diffuse_as_printed / 3, |d| flat![d.between(0.0, 2.0), d.fraction(), d.between(-1.0, 1.0)],
+            |a| [patina::diffuse_as_printed(a[0], a[1], a[2])]),
+        twin!(kubelka_munk::film / 4, |d| flat![d.depth(), d.depth(), d.depth(), d.fraction()],
+            |a| [kubelka_munk::film(a[0], a[1], a[2], a[3])]),
+        twin!(flake::flake_normal / 3, |d| flat![d.direction(), d.between(0.0, 20.0), [d.unit(), d.unit(), 0.5 + 0.5 * d.unit()]],
+            |a| coordinates(flake::flake_normal(at(a, 0), a[3], at(a, 4)))),
+
+        twin!(brushed::ggx / 4, pair_and_widths, |a| [brushed::ggx(at(a, 0), at(a, 3), a[6], a[7])]),
+        twin!(brushed::beckmann / 4, pair_and_widths, |a| [brushed::beckmann(at(a, 0), at(a, 3), a[6], a[7])]),
+        twin!(brushed::evaluate_ggx / 6, pair_metal_and_widths,
+            |a| brushed::evaluate_ggx(at(a, 0), at(a, 3), [a[6], a[7], a[8]], [a[9], a[10], a[11]], a[12], a[13])),
+        twin!(brushed::evaluate_beckmann / 6, pair_metal_and_widths,
+            |a| brushed::evaluate_beckmann(at(a, 0), at(a, 3), [a[6], a[7], a[8]], [a[9], a[10], a[11]], a[12], a[13])),
+        twin!(brushed::reflect_visible_ggx / 4, |d| flat![d.direction(), d.width(), d.width(), d.number(), d.number()],
+            |a| coordinates(brushed::reflect_visible_ggx(at(a, 0), a[3], a[4], [a[5], a[6]]))),
+        twin!(brushed::reflect_visible_ggx_pdf / 4, pair_and_widths,
+            |a| [brushed::reflect_visible_ggx_pdf(at(a, 0), at(a, 3), a[6], a[7])]),
+        twin!(brushed::reflect_visible_beckmann / 4, |d| flat![d.direction(), d.width(), d.width(), numbers(d)],
+            |a| coordinates(brushed::reflect_visible_beckmann(at(a, 0), a[3], a[4], [a[5], a[6], a[7]]))),
+        twin!(brushed::reflect_visible_beckmann_pdf / 4, pair_and_widths,
+            |a| [brushed::reflect_visible_beckmann_pdf(at(a, 0), at(a, 3), a[6], a[7])]),
+
+        // Up to 128 flakes without rounding, but for the halving: the interval is a point.
+        twin!(glint::leaf / 5, flakes_of_a_leaf, |a| {
+            let word = |place: usize| a[place].to_f64() as u32;
+            [glint::leaf([word(0), word(1), word(2), word(3)], a[4], word(5), word(6), word(7))]
+        }),
+        twin!(glint::factor / 5, half_flakes_and_place, |a| {
+            let (resolution, seed) = (a[6].to_f64() as u32, a[7].to_f64() as u32);
+            let flakes = glint::Flakes { spacing: a[4], count: a[5], resolution, seed };
+            [glint::factor(at(a, 0), a[3], &flakes, at(a, 8), a[11])]
+        }),
     ];
     twins.extend(textures::twins());
     twins
