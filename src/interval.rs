@@ -407,6 +407,33 @@ impl<T: AccuracyTable> Real for Interval<T> {
         });
         value
     }
+    fn floor(self) -> Self {
+        Self::new(Real::floor(self.low), Real::floor(self.high))
+    }
+    /// The hull over the cells that the position may be in; anything where those are more than 64.
+    fn at_cell<const D: usize, const N: usize>(cell: [Self; D], value: impl Fn([i32; D]) -> [f64; N]) -> [Self; N] {
+        let first = cell.map(|x| x.low as i32);
+        let counts = core::array::from_fn::<_, D, _>(|d| (cell[d].high as i32).abs_diff(first[d]) as usize + 1);
+        let all = counts.iter().fold(1_usize, |all, count| all.saturating_mul(*count));
+        if all > 64 || cell.iter().any(|x| x.low.is_nan() || x.high.is_nan()) {
+            return [Self::UNKNOWN; N];
+        }
+        let at = |index: usize| {
+            let mut rest = index;
+            let place = core::array::from_fn(|d| {
+                let step = rest % counts[d];
+                rest /= counts[d];
+                first[d] + step as i32
+            });
+            value(place).map(Self::from_f64)
+        };
+        (1..all).fold(at(0), |mut hull, index| {
+            for (hull, value) in hull.iter_mut().zip(at(index)) {
+                *hull = hull.hull(value);
+            }
+            hull
+        })
+    }
     fn product_wide(a: Self, b: Self) -> (Self, Self) {
         a.product_exact(b)
     }

@@ -36,7 +36,8 @@
 //!
 //! [`real`] and [`frame`] are the numbers and directions; [`fresnel`] ([`fresnel_fit`]), [`distribution`], [`masking`], [`diffuse`],
 //! [`refraction`], [`absorption`] and [`phong`] are the terms; [`microfacet`] and [`layered`] are whole BRDFs,
-//! [`sampling`] draws directions for them; [`table`] holds F and D as texels; [`material`] holds measured data. [`wgsl`] holds the WGSL twin of each of these functions under the same name.
+//! [`sampling`] draws directions for them; [`table`] holds F and D as texels; [`texture`] is how their parameters vary over a
+//! surface; [`material`] holds measured data. [`wgsl`] holds the WGSL twin of each of these functions under the same name.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -56,7 +57,6 @@ pub mod fresnel;
 pub mod fresnel_fit;
 #[cfg(feature = "gpu")]
 pub mod gpu;
-mod hash;
 pub mod interval;
 pub mod layered;
 pub mod masking;
@@ -66,6 +66,7 @@ pub mod microfacet;
 pub mod parity;
 pub mod phong;
 pub mod plan;
+pub mod random;
 pub mod real;
 pub mod refraction;
 pub mod sampling;
@@ -74,6 +75,7 @@ mod series;
 pub mod shader;
 pub mod single;
 pub mod table;
+pub mod texture;
 mod twofold;
 #[cfg(feature = "std")]
 pub mod walk;

@@ -242,6 +242,30 @@ pub trait Real:
         (high.angle(adjacent), Self::ZERO)
     }
 
+    /// The largest whole number ≤ x, exactly; NaN and infinities are themselves.
+    #[inline(always)]
+    fn floor(self) -> Self {
+        let x = self.to_f64();
+        // From 2⁵² on every number is whole; the comparison sends NaN there too.
+        let small = x.abs() < 4_503_599_627_370_496.0;
+        let whole = x as i64 as f64;
+        Self::from_f64(if !small {
+            x
+        } else if whole > x {
+            whole - 1.0
+        } else {
+            whole
+        })
+    }
+    /// A function of whole numbers, in every lane at its own; numbers beyond 32 bits count as the nearest that is not.
+    ///
+    /// What lies on a lattice (hashes, texels) is looked up this way: the numbers that a cell holds have no formula.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn at_cell<const D: usize, const N: usize>(cell: [Self; D], value: impl Fn([i32; D]) -> [f64; N]) -> [Self; N] {
+        value(cell.map(|x| x.to_f64() as i32)).map(Self::from_f64)
+    }
+
     /// self·factor + addend: rounded once where the type has an instruction for it
     /// ([`Single<true>`](crate::single::Single)), else twice.
     #[inline(always)]

@@ -1,4 +1,4 @@
-// Random numbers without state: a hash of (seed, index, dimension). Twin of src/walk/random.rs, to the bit.
+// Random numbers without state: a hash of (seed, index, dimension). Twin of src/random.rs, to the bit.
 
 // Four numbers in [0, 1), multiples of 2^-24: the numbers of one sample in one group of dimensions.
 fn random(seed: u32, index: u32, dimension: u32) -> vec4f {

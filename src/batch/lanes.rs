@@ -386,6 +386,37 @@ impl<T: Register> Real for Vectored<T> {
         }
         (Self::load(&cosines), Self::load(&sines))
     }
+    #[inline(always)]
+    fn floor(self) -> Self {
+        let mut numbers = [0.0; WIDEST];
+        self.store(&mut numbers);
+        for lane in 0..T::COUNT {
+            numbers[lane] = Real::floor(numbers[lane]);
+        }
+        Self::load(&numbers)
+    }
+    #[inline(always)]
+    fn at_cell<const D: usize, const N: usize>(cell: [Self; D], value: impl Fn([i32; D]) -> [f64; N]) -> [Self; N] {
+        let (mut places, mut values) = ([[0.0f32; WIDEST]; D], [[0.0f32; WIDEST]; N]);
+        for axis in 0..D {
+            cell[axis].store(&mut places[axis]);
+        }
+        for lane in 0..T::COUNT {
+            let mut place = [0; D];
+            for axis in 0..D {
+                place[axis] = places[axis][lane] as i32;
+            }
+            let found = value(place);
+            for number in 0..N {
+                values[number][lane] = found[number] as f32;
+            }
+        }
+        let mut loaded = [Self::ZERO; N];
+        for number in 0..N {
+            loaded[number] = Self::load(&values[number]);
+        }
+        loaded
+    }
     // Each lane has its own cell: the ends are looked up one by one, and the rest is done at once.
     #[inline(always)]
     fn interpolate<const C: usize>(self, nodes: &[[f64; C]]) -> [Self; C] {

@@ -8,7 +8,7 @@ use crate::absorption;
 use crate::diffuse;
 use crate::frame::{Vector, half_vector};
 use crate::fresnel::{self, Fresnel};
-use crate::microfacet::{cos_half, facets_wide};
+use crate::microfacet::{Facets, cos_half, facets_wide};
 use crate::real::{Mask, Real};
 use crate::refraction::{refract, refract_about};
 
@@ -25,7 +25,7 @@ use crate::refraction::{refract, refract_about};
 /// Error in f32: ≤ 0.6 ULP for two layers and f > 1e-8.
 #[inline]
 pub fn elek<R: Real, const C: usize>(layers: &[Layer<R, C>], wi: Vector<R>, wo: Vector<R>) -> [R; C] {
-    by_channel::<R, Elek, C>(layers, wi, wo)
+    by_channel::<R, Elek, _, C>(layers, &Plain, wi, wo)
 }
 
 /// The energy-conserving layered model.
@@ -45,7 +45,7 @@ pub fn elek<R: Real, const C: usize>(layers: &[Layer<R, C>], wi: Vector<R>, wo: 
 /// Error in f32: ≤ 0.6 ULP for two layers and f > 1e-8.
 #[inline]
 pub fn conserving<R: Real, const C: usize>(layers: &[Layer<R, C>], wi: Vector<R>, wo: Vector<R>) -> [R; C] {
-    by_channel::<R, Conserving, C>(layers, wi, wo)
+    by_channel::<R, Conserving, _, C>(layers, &Plain, wi, wo)
 }
 
 /// The model of Weidlich and Wilkie as Elek reports it.
@@ -60,7 +60,7 @@ pub fn conserving<R: Real, const C: usize>(layers: &[Layer<R, C>], wi: Vector<R>
 /// Error in f32: ≤ 0.6 ULP for two layers and f > 1e-8.
 #[inline]
 pub fn weidlich_wilkie<R: Real, const C: usize>(layers: &[Layer<R, C>], wi: Vector<R>, wo: Vector<R>) -> [R; C] {
-    by_channel::<R, WeidlichWilkie, C>(layers, wi, wo)
+    by_channel::<R, WeidlichWilkie, _, C>(layers, &Plain, wi, wo)
 }
 
 /// The factor t by which the documents let internal reflection raise the transmission.
@@ -73,6 +73,51 @@ pub fn weidlich_wilkie<R: Real, const C: usize>(layers: &[Layer<R, C>], wi: Vect
 pub fn internal_reflection<R: Real>(transmitted: R, g: R) -> R {
     let (transmitted, g) = (transmitted.widen(), g.widen());
     R::narrow((R::Wide::ONE - g) + transmitted * g)
+}
+
+/// A closed-form model over interfaces whose facets are not the plain ones; [`Model::Coupled`](super::Model) and
+/// [`Model::Walk`](super::Model) have no closed form: of them it is [`conserving`].
+#[inline]
+pub(crate) fn over<R: Real, S: Surface<R>, const C: usize>(
+    model: super::Model,
+    layers: &[Layer<R, C>],
+    surface: &S,
+    wi: Vector<R>,
+    wo: Vector<R>,
+) -> [R; C] {
+    match model {
+        super::Model::Elek => by_channel::<R, Elek, S, C>(layers, surface, wi, wo),
+        super::Model::WeidlichWilkie => by_channel::<R, WeidlichWilkie, S, C>(layers, surface, wi, wo),
+        _ => by_channel::<R, Conserving, S, C>(layers, surface, wi, wo),
+    }
+}
+
+/// What the facets of the interfaces are.
+pub(crate) trait Surface<R: Real> {
+    /// The cosine of incidence on the facets that mirror a pair of directions at an interface, and what they reflect.
+    fn facets(
+        &self,
+        position: usize,
+        wi: Vector<R::Wide>,
+        wo: Vector<R::Wide>,
+        alpha: R::Wide,
+    ) -> (R::Wide, Facets<R::Wide>);
+}
+
+/// Beckmann's facets about the normal.
+pub(crate) struct Plain;
+
+impl<R: Real> Surface<R> for Plain {
+    #[inline(always)]
+    fn facets(
+        &self,
+        _: usize,
+        wi: Vector<R::Wide>,
+        wo: Vector<R::Wide>,
+        alpha: R::Wide,
+    ) -> (R::Wide, Facets<R::Wide>) {
+        (cos_half(wi, wo), facets_wide::<_, R>(wi, wo, alpha))
+    }
 }
 
 /// What distinguishes one recursive model from another.
@@ -142,8 +187,9 @@ pub(crate) fn interface_fresnel<R: Real>(cos_i: R, n: R, k: R) -> Fresnel<R> {
 
 /// Evaluates all channels together while they share their directions, else one by one.
 #[inline]
-fn by_channel<R: Real, M: Rule<R::Wide>, const C: usize>(
+fn by_channel<R: Real, M: Rule<R::Wide>, S: Surface<R>, const C: usize>(
     layers: &[Layer<R, C>],
+    surface: &S,
     wi: Vector<R>,
     wo: Vector<R>,
 ) -> [R; C] {
@@ -152,12 +198,12 @@ fn by_channel<R: Real, M: Rule<R::Wide>, const C: usize>(
     if disperses(layers) {
         let mut f = [R::ZERO; C];
         for (channel, f) in f.iter_mut().enumerate() {
-            let [one] = recurse::<R::Wide, R, M, C, 1>(layers, channel, wi, wo);
+            let [one] = recurse::<R::Wide, R, M, S, C, 1>(layers, surface, channel, wi, wo);
             *f = R::narrow(one);
         }
         f
     } else {
-        recurse::<R::Wide, R, M, C, C>(layers, 0, wi, wo).map(R::narrow)
+        recurse::<R::Wide, R, M, S, C, C>(layers, surface, 0, wi, wo).map(R::narrow)
     }
 }
 
@@ -173,8 +219,9 @@ pub(crate) fn disperses<R: Real, const C: usize>(layers: &[Layer<R, C>]) -> bool
 
 /// The recursion over `K` channels from `first` on, which share one pair of directions.
 #[inline]
-fn recurse<W: Real, R: Real<Wide = W>, M: Rule<W>, const C: usize, const K: usize>(
+fn recurse<W: Real, R: Real<Wide = W>, M: Rule<W>, S: Surface<R>, const C: usize, const K: usize>(
     layers: &[Layer<R, C>],
+    surface: &S,
     first: usize,
     wi: Vector<W>,
     wo: Vector<W>,
@@ -196,8 +243,7 @@ fn recurse<W: Real, R: Real<Wide = W>, M: Rule<W>, const C: usize, const K: usiz
                 return f;
             }
         };
-        let shared = facets_wide::<_, R>(wi, wo, alpha);
-        let cos_h = cos_half(wi, wo);
+        let (cos_h, shared) = surface.facets(position, wi, wo, alpha);
         let last = position + 1 == layers.len();
         let eta = n[first] / n_above;
         let (below_i, below_o) = M::refract(wi, wo, eta);

@@ -63,8 +63,15 @@ impl Widths {
     /// First order in α at normal incidence: within 1 % of the walk's width at α₁ = .1, 8 % at .4 for n = 1.5, 17 % there
     /// for n = 2. At most 1. Where n differs between channels, their mean counts.
     pub fn apply<R: Real, const C: usize>(self, layers: &[Layer<R, C>]) -> Vec<Layer<R, C>> {
+        let mut layers = layers.to_vec();
+        self.widen(&mut layers);
+        layers
+    }
+
+    /// [`Widths::apply`] in place.
+    pub(crate) fn widen<R: Real, const C: usize>(self, layers: &mut [Layer<R, C>]) {
         let (mut widest, mut spread, mut n_above) = (R::ZERO, R::ZERO, R::ONE);
-        let widened = |layer: &Layer<R, C>| {
+        let mut widened = |layer: &Layer<R, C>| {
             let Interface::Microfacet { n, k, alpha } = layer.interface else { return *layer };
             let effective = match self {
                 Widths::Own => alpha,
@@ -84,6 +91,8 @@ impl Widths {
             };
             Layer { interface: Interface::Microfacet { n, k, alpha: effective }, medium: layer.medium }
         };
-        layers.iter().map(widened).collect()
+        for layer in layers {
+            *layer = widened(layer);
+        }
     }
 }

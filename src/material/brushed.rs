@@ -368,7 +368,7 @@ mod tests {
                 let masses = masses(&subject, wo, CELLS, 24);
                 let mut counts = vec![0.0; masses.len()];
                 for i in 0..SAMPLES {
-                    let words = crate::hash::pcg([i, 5, 7, 9]);
+                    let words = crate::random::random_words([i, 5, 7, 9]);
                     let u = [0, 1, 2].map(|d| f64::from(words[d] >> 8) / 16_777_216.0);
                     if let Some(Sample { wi, .. }) = subject.sample(wo, u) {
                         let turn = (wi.y.atan2(wi.x) / core::f64::consts::TAU).rem_euclid(1.0);

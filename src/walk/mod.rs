@@ -50,7 +50,7 @@ mod estimate;
 mod facets;
 mod interface;
 mod path;
-pub mod random;
+pub use crate::random;
 
 pub use facets::{
     Microsurface, Pair, reflected, reflection, refracted, refracting_normal, transmission, visible_normal, visible_part,

@@ -41,6 +41,8 @@
 
 mod error;
 mod link;
+#[cfg(feature = "std")]
+mod material;
 mod names;
 mod specialise;
 pub(crate) mod token;
@@ -51,6 +53,8 @@ mod tests;
 
 pub use error::LinkError;
 pub use link::mangled;
+#[cfg(feature = "std")]
+pub use material::{NoTwin, material};
 pub use specialise::{identifier, specialise, specialise_scene};
 
 use alloc::string::String;
@@ -65,8 +69,8 @@ macro_rules! modules {
 /// The library's modules: each one's name and its text.
 #[rustfmt::skip]
 pub const MODULES: &[(&str, &str)] = modules![
-    "absorption", "brushed", "diffuse", "distribution", "flake", "fresnel", "fresnel_fit", "glint", "kubelka_munk", "layered", "masking",
-    "microfacet", "patina", "phong", "random", "real", "refraction", "sampling", "table", "walk",
+    "absorption", "brushed", "bump", "diffuse", "distribution", "flake", "fresnel", "fresnel_fit", "glint", "image", "kubelka_munk", "layered",
+    "mask", "masking", "microfacet", "noise", "patina", "phong", "ramp", "random", "real", "refraction", "sampling", "table", "walk",
 ];
 
 /// The text of one module, as written: with its imports.

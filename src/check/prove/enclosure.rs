@@ -246,6 +246,13 @@ impl Real for Enclosure {
             Self::ANYTHING
         }
     }
+    fn floor(self) -> Self {
+        self.map(Real::floor)
+    }
+    fn at_cell<const D: usize, const N: usize>(cell: [Self; D], value: impl Fn([i32; D]) -> [f64; N]) -> [Self; N] {
+        let total = cell.iter().all(|x| x.total);
+        Bounds::at_cell(cell.map(|x| x.bounds), value).map(|value| Self::of(value, total))
+    }
     fn product_wide(a: Self, b: Self) -> (Self, Self) {
         a.product_exact(b)
     }

@@ -50,7 +50,7 @@ mod deal;
 pub use deal::leaf;
 
 use crate::frame::Vector;
-use crate::hash::pcg;
+use crate::random::random_words;
 use crate::real::Real;
 use deal::corners;
 
@@ -129,6 +129,61 @@ const FINE: f64 = 16384.0;
 /// The coarsest level of detail but one: a footprint of a million spacings.
 const COARSEST: u32 = 20;
 
+<<<<<<< HEAD:src/material/glint/mod.rs
+=======
+/// How many flakes of a cell have facets in one leaf: half of those dealt to it and its opposite.
+///
+/// * `key`: four random words of the cell. `count`: how many flakes the cell holds, ≥ 0. `resolution`: J, from 1 to [`FINEST`],
+///   clamped. `column`, `row`: of the leaf, below 2^J, along the first and the second slope.
+///
+/// The sum over all leaves is `count`; leaf (i, j) has as many as (2^J−1−i, 2^J−1−j). Up to 128 flakes it is the same
+/// to the bit in every precision and in WGSL.
+pub fn leaf<R: Real>(key: [u32; 4], count: R, resolution: u32, column: u32, row: u32) -> R {
+    let resolution = resolution.clamp(1, FINEST);
+    let last = (1u32 << resolution) - 1;
+    let opposite = column > last / 2;
+    let (column, row) = if opposite { (last.wrapping_sub(column), last.wrapping_sub(row)) } else { (column, row) };
+    let steps = 2 * resolution - 1;
+    // The first digit of the column is the side that was folded away.
+    let digit = |step: u32| {
+        let (index, shift) = if step & 1 == 0 { (row, resolution - 1) } else { (column, resolution - 2) };
+        index >> (shift - step / 2) & 1
+    };
+    let bits = |node: u32| {
+        let words = random_words([key[0], key[1], key[2], key[3].wrapping_add(node)]);
+        words.iter().rev().fold(0u128, |bits, word| bits << 32 | u128::from(*word))
+    };
+    let (mut step, mut node, mut held) = (0, 1, count);
+    while step < steps && held.to_f64() >= MANY {
+        let deviation = R::from_f64(f64::from(bits(node).count_ones()) - 64.0);
+        let uneven = deviation * (held * R::from_f64(1.0 / MANY)).sqrt();
+        held = (R::HALF * held + if digit(step) == 0 { uneven } else { -uneven }).max(R::ZERO);
+        node = 2 * node + digit(step);
+        step += 1;
+    }
+    if step == steps {
+        return held * R::HALF;
+    }
+    // Fewer: whole flakes, and what is left of one, which stays together.
+    let mut whole = held.to_f64().min(MANY - 1.0) as u32;
+    let mut rest = (held - R::from_f64(f64::from(whole))).saturate();
+    while step < steps && (whole > 0 || rest.to_f64() > 0.0) {
+        let bits = bits(node);
+        let left = (bits & ((1 << whole) - 1)).count_ones();
+        let goes_left = bits >> whole & 1 == 1;
+        let here = digit(step);
+        whole = if here == 0 { left } else { whole - left };
+        rest = if goes_left == (here == 0) { rest } else { R::ZERO };
+        node = 2 * node + here;
+        step += 1;
+    }
+    (R::from_f64(f64::from(whole)) + rest) * R::HALF
+}
+
+/// From so many flakes on they are dealt by the moments of the binomial law, below by its bits.
+const MANY: f64 = 128.0;
+
+>>>>>>> main:src/material/glint.rs
 /// [`leaf`] between the centres of the leaves, at a column and a row in [0, 2^J − 1].
 fn interpolated<R: Real>(key: [u32; 4], count: R, resolution: u32, column: R, row: R) -> R {
     let last = (1u32 << resolution) - 2;
@@ -149,7 +204,7 @@ fn cell<R: Real>(position: Vector<R>, spacing: R, finer: R, level: u32, seed: u3
         let whole = x as i32;
         (if f64::from(whole) > x { whole - 1 } else { whole }).cast_unsigned()
     };
-    pcg([index(position.x), index(position.y), index(position.z), seed ^ (level << 27)])
+    random_words([index(position.x), index(position.y), index(position.z), seed ^ (level << 27)])
 }
 
 /// ½(1+erf(x)): the share of a Gaussian distribution of slopes that is below x·α.
@@ -175,7 +230,7 @@ mod tests {
 
     /// The middle of a cell of side 0.01, far from the borders of all coarser ones.
     fn place(cell: u32) -> Vector<f64> {
-        let [x, y, z, _] = pcg([cell, 1, 2, 3]).map(|word| f64::from(word % 1000) - 500.0);
+        let [x, y, z, _] = random_words([cell, 1, 2, 3]).map(|word| f64::from(word % 1000) - 500.0);
         Vector::new(x + 0.37, y + 0.41, z + 0.43) * 0.01
     }
 
@@ -196,6 +251,37 @@ mod tests {
     }
 
     #[test]
+<<<<<<< HEAD:src/material/glint/mod.rs
+=======
+    fn the_leaves_hold_every_flake() {
+        for count in [0.0, 0.3, 1.0, 2.625, 17.0, 64.5, 127.9375, 128.0, 128.5, 1000.25, 65536.0] {
+            for resolution in 1..=6 {
+                let last = (1u32 << resolution) - 1;
+                for cell in 0..20 {
+                    let key = random_words([cell, 3, 5, resolution]);
+                    let mut sum = 0.0;
+                    for (i, j) in (0..=last).flat_map(|i| (0..=last).map(move |j| (i, j))) {
+                        let held = leaf(key, count, resolution, i, j);
+                        assert!((0.0..=0.5 * count).contains(&held), "{held} of {count}");
+                        assert_eq!(held, leaf(key, count, resolution, last - i, last - j));
+                        if count <= 128.0 {
+                            assert_eq!(
+                                f64::from(leaf(key, count as f32, resolution, i, j)),
+                                leaf(key, count as f32 as f64, resolution, i, j)
+                            );
+                        }
+                        sum += held;
+                    }
+                    // Above 128 each of 11 splits rounds twice.
+                    let tolerance = if count <= 128.0 { 0.0 } else { 22.0 * f64::EPSILON * count };
+                    assert!((sum - count).abs() <= tolerance, "{count} {resolution}: {sum}");
+                }
+            }
+        }
+    }
+
+    #[test]
+>>>>>>> main:src/material/glint.rs
     fn the_lobe_of_every_cell_is_normalised() {
         for (resolution, count) in [(2, 1.0), (3, 0.4), (3, 5.0), (4, 90.0), (4, 700.5)] {
             let (nodes, flakes) = (nodes(resolution), flakes(count, resolution));
@@ -279,7 +365,7 @@ mod tests {
         let mut second = 0.0;
         for cell in 0..cells {
             // One flake a cell: each leaf has it with the probability 1/64.
-            let hit = |leaf: u32| pcg([cell, leaf, 9, 9])[0] < u32::MAX / leaves;
+            let hit = |leaf: u32| random_words([cell, leaf, 9, 9])[0] < u32::MAX / leaves;
             let total = f64::from((0..leaves).filter(|leaf| hit(*leaf)).count() as u32);
             second += (total - 1.0).powi(2) / f64::from(cells);
         }
@@ -345,7 +431,7 @@ mod tests {
         for resolution in [2, 5, 8] {
             for cell in 0..2000 {
                 let flakes = flakes(1.0, resolution);
-                let [a, b, c, _] = pcg([cell, 8, 8, 8]).map(|word| f64::from(word) / 4_294_967_296.0);
+                let [a, b, c, _] = random_words([cell, 8, 8, 8]).map(|word| f64::from(word) / 4_294_967_296.0);
                 let (h, footprint) = (Vector::new(a - 0.5, b - 0.5, 1.0).cast::<f32>(), (0.005 + 0.1 * c) as f32);
                 let (position, alpha) = (place(cell).cast::<f32>(), ALPHA as f32);
                 let single = factor(h, alpha, &flakes.cast(), position, footprint);

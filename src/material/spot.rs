@@ -1,0 +1,494 @@
+//! A material at one point: numbers only.
+
+use super::brushed::{Brushed, Shape};
+use super::field::Colour;
+use super::finish::{Body, Boundary, BrushedMetal, Coat, Encoding, Flakes, Layers, Relief};
+use super::flake::flake_normal;
+use super::glint;
+use super::parts::{Material, Part};
+use super::patina::diffuse_as_printed;
+use super::point::Point;
+use crate::absorption::transmittance;
+use crate::frame::{Frame, Vector, half_vector};
+use crate::layered::model::{Plain, Surface, interface_fresnel, over};
+use crate::layered::{ALPHA_RANGE, Interface, K_RANGE, Layer, Medium, Model, N_RANGE, Stack};
+use crate::microfacet::{Facets, cos_half, facets};
+use crate::real::{Mask, Real};
+use crate::refraction::refract;
+use crate::sampling::{self, Sample};
+use crate::texture::bump;
+use crate::texture::image::Image;
+use core::ops::RangeInclusive;
+
+/// The most parts of a material.
+pub const MOST_PARTS: usize = 4;
+
+/// The most layers of a part.
+pub const MOST_LAYERS: usize = 4;
+
+/// A material at one point: what reflects there, and in which shares.
+///
+/// Directions are local to the surface's shading frame: the normal is +z, the tangent +x. Parts may have normals of their own.
+#[derive(Clone, Debug)]
+pub struct Spot<'a, R> {
+    parts: [Option<Share<'a, R>>; MOST_PARTS],
+}
+
+/// What a part has of a spot.
+#[derive(Clone, Debug)]
+struct Share<'a, R> {
+    /// Its share of the surface; the shares add up to 1.
+    share: R,
+    /// What is left of its reflection.
+    reflectivity: [R; 3],
+    /// The frame about its own normal, where it has one.
+    relief: Option<Frame<R>>,
+    body: SpotBody<'a, R>,
+}
+
+#[derive(Clone, Debug)]
+enum SpotBody<'a, R> {
+    Layers(Resolved<R>),
+    Brushed { metal: Brushed<R, 3>, turn: (R, R) },
+    Whole(&'a Stack<f64, 3>),
+}
+
+/// Layers at a point.
+#[derive(Clone, Debug)]
+struct Resolved<R> {
+    model: Model,
+    layers: [Layer<R, 3>; MOST_LAYERS],
+    count: usize,
+    grains: Option<Grains<R>>,
+    /// σ of the documents' diffuse term, where there is one.
+    scatter: Option<[R; 3]>,
+}
+
+/// The share of samples that is drawn from the cosine where the documents' diffuse term is.
+const SCATTERED: f64 = 0.5;
+
+impl<R: Real> Resolved<R> {
+    fn layers(&self) -> &[Layer<R, 3>] {
+        self.layers.get(..self.count).unwrap_or_default()
+    }
+
+    fn evaluate(&self, wi: Vector<R>, wo: Vector<R>) -> [R; 3] {
+        let mut f = match &self.grains {
+            None => over(self.model, self.layers(), &Plain, wi, wo),
+            Some(grains) => over(self.model, self.layers(), grains, wi, wo),
+        };
+        let lit = wi.z.min(wo.z).gt(R::ZERO);
+        if let (Some(sigma), Interface::Microfacet { n, k, .. }) = (&self.scatter, self.layers[0].interface) {
+            let cos_h = cos_half(wi, wo);
+            for c in 0..3 {
+                let reflectance = interface_fresnel(cos_h, n[c], k[c]).reflectance;
+                let scattered = diffuse_as_printed(sigma[c], reflectance, R::ONE) * R::FRAC_1_PI;
+                f[c] = f[c] + R::select(lit, scattered, R::ZERO);
+            }
+        }
+        f
+    }
+
+    fn sample(&self, wo: Vector<R>, [choice, u, v]: [R; 3]) -> Option<Vector<R>> {
+        let share = R::from_f64(if self.scatter.is_some() { SCATTERED } else { 0.0 });
+        if choice.lt(share).any() {
+            return Some(sampling::cosine_hemisphere([u, v]));
+        }
+        let choice = (choice - share) / (R::ONE - share);
+        Some(sampling::sample(self.layers(), self.model, wo, [choice, u, v])?.wi)
+    }
+
+    fn pdf(&self, wi: Vector<R>, wo: Vector<R>) -> R {
+        let lobes = sampling::pdf(self.layers(), self.model, wi, wo);
+        if self.scatter.is_none() {
+            return lobes;
+        }
+        let share = R::from_f64(SCATTERED);
+        lobes * (R::ONE - share) + wi.z.max(R::ZERO) * R::FRAC_1_PI * share
+    }
+}
+
+/// Light from one direction of a blurred environment, as [`Spot::mirrored`] lists it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mirror<R> {
+    /// Where it comes from: the mirror direction of a lobe, the normal of a diffuse base.
+    pub direction: Vector<R>,
+    /// How wide the lobe is, as the α of a single interface; of no meaning for a diffuse base.
+    pub alpha: R,
+    /// Whether the environment is blurred by a cosine (its irradiance over π) and not by a lobe.
+    pub diffuse: bool,
+    /// What the blurred radiance is multiplied by.
+    pub weight: [R; 3],
+}
+
+impl<'a, R: Real> Spot<'a, R> {
+    pub(crate) fn new(material: &'a Material, point: &Point<R>) -> Self {
+        let mut left = R::ONE;
+        let mut parts = [const { None }; MOST_PARTS];
+        let described = material.parts().iter().zip(material.returned()).enumerate();
+        // From the top: what a part leaves open is for those before it.
+        for ((index, (part, returned)), spot) in described.zip(&mut parts).rev() {
+            let cover =
+                if index == 0 { R::ONE } else { part.cover.at::<R>(point, material.images()).max(R::ZERO).min(R::ONE) };
+            let share = left * cover;
+            left = left * (R::ONE - cover);
+            if share.gt(R::ZERO).any() {
+                *spot = Some(Share::new(part, share, *returned, point, material.images()));
+            }
+        }
+        Spot { parts }
+    }
+
+    fn shares(&self) -> impl Iterator<Item = &Share<'a, R>> {
+        self.parts.iter().flatten()
+    }
+
+    /// The reflected radiance for each unit of irradiance perpendicular to `wi`: Σ share·f·cos in sr⁻¹, each part about its own normal.
+    ///
+    /// 0 where a direction is at or below the horizon of the surface; a part adds nothing where one is below its own.
+    pub fn reflected(&self, wi: Vector<R>, wo: Vector<R>) -> [R; 3] {
+        let mut sum = [R::ZERO; 3];
+        if wi.z.min(wo.z).gt(R::ZERO).any() {
+            for part in self.shares() {
+                let f_cos = part.reflected(wi, wo);
+                for (sum, f_cos) in sum.iter_mut().zip(f_cos) {
+                    *sum = *sum + part.share * f_cos;
+                }
+            }
+        }
+        sum
+    }
+
+    /// A direction `wi` for a view, drawn about in proportion to [`Spot::reflected`], and its density.
+    ///
+    /// `u`: four independent numbers in [0, 1). The first chooses the part. None where the numbers lead to no direction; such a
+    /// sample counts as 0.
+    pub fn sample(&self, wo: Vector<R>, u: [R; 4]) -> Option<Sample<R>> {
+        let [choice, u @ ..] = u;
+        let mut rest = choice;
+        let chosen = self.shares().find(|part| {
+            let here = rest.lt(part.share).any();
+            rest = rest - part.share;
+            here
+        });
+        // Shares add up to 1 but for rounding.
+        let part = chosen.or_else(|| self.shares().last())?;
+        let wi = part.sample(wo, u)?;
+        let pdf = self.pdf(wi, wo);
+        pdf.gt(R::ZERO).all().then_some(Sample { wi, pdf })
+    }
+
+    /// The density in sr⁻¹ with which [`Spot::sample`] draws `wi` for the view `wo`. 0 where either is at or below the horizon.
+    pub fn pdf(&self, wi: Vector<R>, wo: Vector<R>) -> R {
+        if !wi.z.min(wo.z).gt(R::ZERO).any() {
+            return R::ZERO;
+        }
+        self.shares().fold(R::ZERO, |sum, part| sum + part.share * part.pdf(wi, wo))
+    }
+
+    /// What of a blurred environment a view sees, without sampling it: a lobe for each interface, a cosine for a diffuse base.
+    ///
+    /// Each interface adds F·T²·a² of the environment in the mirror direction, blurred by its α times the index above it (what
+    /// refraction widens a lobe by at the normal). A diffuse base adds ρ·T(V)·T̄·a/n² of the irradiance; T̄ is T at 60°, which is within
+    /// 1 % of the mean transmittance for n from 1.2 to 2. Under [`Model::Elek`] only the upper interface reflects the environment, as
+    /// the documents have it (Elek 2010, Algorithm 1, lines 28–29).
+    pub fn mirrored(&self, wo: Vector<R>, visit: &mut impl FnMut(Mirror<R>)) {
+        for part in self.shares() {
+            part.mirrored(wo, visit);
+        }
+    }
+}
+
+impl<'a, R: Real> Share<'a, R> {
+    fn new(part: &'a Part, share: R, returned: f64, point: &Point<R>, images: &[Image]) -> Self {
+        let finish = &part.finish;
+        let relief = finish.relief.as_ref().map(|relief| {
+            let tangent = Vector::new(R::ONE, R::ZERO, R::ZERO);
+            Frame::from_normal_and_tangent(relief.normal(point, images), tangent)
+        });
+        let body = match &finish.body {
+            Body::Layers(layers) => layered(layers, returned, point, images),
+            Body::Brushed(metal) => brushed(metal, point, images),
+            Body::Whole(stack) => SpotBody::Whole(stack),
+        };
+        Share { share, reflectivity: finish.reflectivity.at::<R>(point, images).map(saturated), relief, body }
+    }
+
+    fn to_own(&self, w: Vector<R>) -> Vector<R> {
+        self.relief.map_or(w, |frame| frame.to_local(w))
+    }
+
+    fn to_surface(&self, w: Vector<R>) -> Vector<R> {
+        self.relief.map_or(w, |frame| frame.to_world(w))
+    }
+
+    fn reflected(&self, wi: Vector<R>, wo: Vector<R>) -> [R; 3] {
+        let (wi, wo) = (self.to_own(wi), self.to_own(wo));
+        let f = match &self.body {
+            SpotBody::Layers(layers) => layers.evaluate(wi, wo),
+            SpotBody::Brushed { metal, turn } => metal.evaluate(turned(wi, *turn), turned(wo, *turn)),
+            SpotBody::Whole(stack) => stack.evaluate(wi.cast(), wo.cast()).map(R::from_f64),
+        };
+        let cosine = wi.z.max(R::ZERO);
+        core::array::from_fn(|c| f[c] * self.reflectivity[c] * cosine)
+    }
+
+    /// A direction above the horizon.
+    fn sample(&self, wo: Vector<R>, u: [R; 3]) -> Option<Vector<R>> {
+        let wo = self.to_own(wo);
+        let wi = match &self.body {
+            SpotBody::Layers(layers) => layers.sample(wo, u)?,
+            SpotBody::Brushed { metal, turn: (cosine, sine) } => {
+                let wi = metal.sample(turned(wo, (*cosine, *sine)), u)?.wi;
+                turned(wi, (*cosine, -*sine))
+            }
+            SpotBody::Whole(stack) => stack.sample(wo.cast(), u.map(R::to_f64))?.wi.cast(),
+        };
+        let wi = self.to_surface(wi);
+        wi.z.gt(R::ZERO).all().then_some(wi)
+    }
+
+    fn pdf(&self, wi: Vector<R>, wo: Vector<R>) -> R {
+        let (wi, wo) = (self.to_own(wi), self.to_own(wo));
+        match &self.body {
+            SpotBody::Layers(layers) => layers.pdf(wi, wo),
+            SpotBody::Brushed { metal, turn } => metal.pdf(turned(wi, *turn), turned(wo, *turn)),
+            SpotBody::Whole(stack) => R::from_f64(stack.pdf(wi.cast(), wo.cast())),
+        }
+    }
+
+    fn mirrored(&self, wo: Vector<R>, visit: &mut impl FnMut(Mirror<R>)) {
+        let wo = self.to_own(wo);
+        let mut found = |mirror: Mirror<R>| {
+            let weight = core::array::from_fn(|c| mirror.weight[c] * self.share * self.reflectivity[c]);
+            visit(Mirror { direction: self.to_surface(mirror.direction), weight, ..mirror });
+        };
+        if !wo.z.gt(R::ZERO).any() {
+            return;
+        }
+        match &self.body {
+            SpotBody::Layers(layers) => mirrors(layers.layers().iter().copied(), layers.model, wo, &mut found),
+            SpotBody::Whole(stack) => {
+                mirrors(stack.effective_layers().iter().map(Layer::cast), stack.model(), wo, &mut found);
+            }
+            SpotBody::Brushed { metal, .. } => {
+                let weight = core::array::from_fn(|c| interface_fresnel(wo.z, metal.n[c], metal.k[c]).reflectance);
+                let alpha = (metal.alpha_x * metal.alpha_y).sqrt();
+                found(Mirror { direction: mirror_of(wo), alpha, diffuse: false, weight });
+            }
+        }
+    }
+}
+
+fn mirror_of<R: Real>(wo: Vector<R>) -> Vector<R> {
+    Vector::new(-wo.x, -wo.y, wo.z)
+}
+
+/// The lobes and the cosine that layers reflect a view to.
+fn mirrors<R: Real>(
+    layers: impl Iterator<Item = Layer<R, 3>>,
+    model: Model,
+    wo: Vector<R>,
+    visit: &mut impl FnMut(Mirror<R>),
+) {
+    // What passes on the way of the view, and of light from 60° to the normal.
+    let (mut seen, mut lit) = ([R::ONE; 3], [R::ONE; 3]);
+    let (mut view, mut light) = (wo, Vector::new(R::from_f64(0.75).sqrt(), R::ZERO, R::HALF));
+    let mut n_above = R::ONE;
+    for layer in layers {
+        let (n, k, alpha) = match layer.interface {
+            Interface::Microfacet { n, k, alpha } => (n, k, alpha),
+            Interface::Diffuse { albedo, .. } => {
+                let weight = core::array::from_fn(|c| albedo[c] * seen[c] * lit[c] / (n_above * n_above));
+                let direction = Vector::new(R::ZERO, R::ZERO, R::ONE);
+                return visit(Mirror { direction, alpha: R::ONE, diffuse: true, weight });
+            }
+        };
+        let fresnel = |cosine: R| -> [_; 3] {
+            core::array::from_fn(|c| interface_fresnel(cosine, n[c] / n_above, k[c] / n_above))
+        };
+        let (at_view, at_light) = (fresnel(view.z), fresnel(light.z));
+        let weight = core::array::from_fn(|c| at_view[c].reflectance * seen[c] * seen[c]);
+        let alpha = (alpha * n_above).min(R::ONE);
+        visit(Mirror { direction: mirror_of(wo), alpha, diffuse: false, weight });
+        if model == Model::Elek {
+            return;
+        }
+        let eta = n[0] / n_above;
+        (view, light) = (refract(view, eta), refract(light, eta));
+        if !view.z.min(light.z).gt(R::ZERO).any() {
+            return;
+        }
+        let Medium { sigma, thickness } = layer.medium;
+        for c in 0..3 {
+            // transmittance() is that of both ways; √ of equal ways is one of them.
+            let one_way = |cosine: R| transmittance(sigma[c], thickness * R::HALF, cosine, cosine);
+            seen[c] = seen[c] * at_view[c].transmittance * one_way(view.z);
+            lit[c] = lit[c] * at_light[c].transmittance * one_way(light.z);
+        }
+        n_above = n[0];
+    }
+}
+
+fn clamped<R: Real>(x: R, range: &RangeInclusive<f64>) -> R {
+    x.max(R::from_f64(*range.start())).min(R::from_f64(*range.end()))
+}
+
+fn saturated<R: Real>(x: R) -> R {
+    x.max(R::ZERO).min(R::ONE)
+}
+
+/// A direction in the axes along and across the grooves; `turn` is the cosine and sine of the angle of the grooves.
+fn turned<R: Real>(w: Vector<R>, (cosine, sine): (R, R)) -> Vector<R> {
+    Vector::new(cosine * w.x + sine * w.y, cosine * w.y - sine * w.x, w.z)
+}
+
+fn brushed<'a, R: Real>(metal: &BrushedMetal, point: &Point<R>, images: &[Image]) -> SpotBody<'a, R> {
+    let index = |field: &Colour, range: &RangeInclusive<f64>| field.at::<R>(point, images).map(|x| clamped(x, range));
+    SpotBody::Brushed {
+        metal: Brushed {
+            n: index(&metal.n, &N_RANGE),
+            k: index(&metal.k, &K_RANGE),
+            alpha_x: clamped(metal.along.at(point, images), &ALPHA_RANGE),
+            alpha_y: clamped(metal.across.at(point, images), &ALPHA_RANGE),
+            shape: Shape::Ggx,
+        },
+        turn: metal.turn.at::<R>(point, images).unit_circle(),
+    }
+}
+
+fn layered<'a, R: Real>(layers: &Layers, returned: f64, point: &Point<R>, images: &[Image]) -> SpotBody<'a, R> {
+    let nothing = Layer::new(Interface::dielectric(R::ONE, R::ONE));
+    let mut resolved = [nothing; MOST_LAYERS];
+    for (layer, coat) in resolved.iter_mut().zip(&layers.coats) {
+        *layer = coat.at(returned, point, images);
+    }
+    let count = layers.coats.len().min(MOST_LAYERS);
+    if let Some(layers_used) = resolved.get_mut(..count) {
+        layers.widths.widen(layers_used);
+    }
+    let flaked = layers.coats.iter().any(|coat| coat.flakes.is_some());
+    let grains = flaked.then(|| Grains::new(&layers.coats, point, images));
+    let scatter = layers.scatter.as_ref().map(|sigma| sigma.at(point, images));
+    SpotBody::Layers(Resolved { model: layers.model, layers: resolved, count, grains, scatter })
+}
+
+impl Coat {
+    fn at<R: Real>(&self, returned: f64, point: &Point<R>, images: &[Image]) -> Layer<R, 3> {
+        let colour = |field: &Colour| field.at::<R>(point, images);
+        let interface = match &self.boundary {
+            Boundary::Microfacet { n, k, alpha } => Interface::Microfacet {
+                n: colour(n).map(|x| clamped(x, &N_RANGE)),
+                k: colour(k).map(|x| clamped(x, &K_RANGE)),
+                alpha: clamped(alpha.at(point, images), &ALPHA_RANGE),
+            },
+            Boundary::Diffuse { albedo, sigma } => Interface::Diffuse {
+                albedo: colour(albedo).map(|x| {
+                    let albedo = saturated(x);
+                    albedo / (R::ONE - albedo * R::from_f64(returned))
+                }),
+                sigma: clamped(sigma.at(point, images), &(0.0..=core::f64::consts::FRAC_PI_2)),
+            },
+        };
+        let medium = Medium {
+            sigma: colour(&self.sigma).map(|x| x.max(R::ZERO)),
+            thickness: self.thickness.at::<R>(point, images).max(R::ZERO),
+        };
+        Layer { interface, medium }
+    }
+}
+
+impl Relief {
+    /// The unit normal at a point, local to the surface's frame.
+    pub fn normal<R: Real>(&self, point: &Point<R>, images: &[Image]) -> Vector<R> {
+        match self {
+            Relief::Height { height, step } => {
+                let step = R::from_f64(*step);
+                let here: R = height.at(point, images);
+                let slope = |moved: Point<R>| (height.at::<R>(&moved, images) - here) / step;
+                bump::normal_from_slopes(slope(point.shifted(step, R::ZERO)), slope(point.shifted(R::ZERO, step)))
+            }
+            Relief::Map { normals, encoding, strength } => {
+                let [r, g, b, a] = normals.texel::<R>(point, images);
+                let normal = match encoding {
+                    Encoding::Rgb => bump::decode_rgb([r, g, b]),
+                    Encoding::AlphaGreen => bump::decode_two_channel(a, g),
+                };
+                bump::scaled(normal, R::from_f64(*strength))
+            }
+        }
+    }
+}
+
+/// What the facets of each layer are.
+#[derive(Clone, Copy, Debug)]
+struct Grains<R>([Grain<R>; MOST_LAYERS]);
+
+#[derive(Clone, Copy, Debug)]
+enum Grain<R> {
+    Plain,
+    Glints { flakes: glint::Flakes<R>, position: Vector<R>, footprint: R },
+    Tilted(Frame<R>),
+}
+
+impl<R: Real> Grains<R> {
+    fn new(coats: &[Coat], point: &Point<R>, images: &[Image]) -> Self {
+        let mut grains = [Grain::Plain; MOST_LAYERS];
+        for (grain, coat) in grains.iter_mut().zip(coats) {
+            *grain = match &coat.flakes {
+                None => Grain::Plain,
+                Some(Flakes::Glints { spacing, resolution, seed }) => Grain::Glints {
+                    flakes: glint::Flakes {
+                        spacing: R::from_f64(*spacing),
+                        count: R::ONE,
+                        resolution: *resolution,
+                        seed: *seed,
+                    },
+                    position: point.position,
+                    footprint: point.footprint,
+                },
+                Some(Flakes::AsPrinted { normals }) => {
+                    let [x, y, z, _] = normals.texel::<R>(point, images);
+                    let up = Vector::new(R::ZERO, R::ZERO, R::ONE);
+                    let normal = flake_normal(up, point.distance, Vector::new(x, y, z));
+                    Grain::Tilted(Frame::from_normal_and_tangent(normal, Vector::new(R::ONE, R::ZERO, R::ZERO)))
+                }
+            };
+        }
+        Grains(grains)
+    }
+}
+
+impl<R: Real> Surface<R> for Grains<R> {
+    fn facets(
+        &self,
+        position: usize,
+        wi: Vector<R::Wide>,
+        wo: Vector<R::Wide>,
+        alpha: R::Wide,
+    ) -> (R::Wide, Facets<R::Wide>) {
+        let facets = |wi, wo| facets::<R::Wide>(wi, wo, alpha);
+        let found = match self.0.get(position) {
+            None | Some(Grain::Plain) => facets(wi, wo),
+            Some(Grain::Glints { flakes, position, footprint }) => {
+                let plain = facets(wi, wo);
+                let grain = glint::factor(half_vector(wi, wo), alpha, &flakes.cast(), position.widen(), footprint.widen());
+                Facets { lobe: plain.lobe * grain, d: plain.d * grain, ..plain }
+            }
+            Some(Grain::Tilted(frame)) => {
+                let frame = Frame {
+                    tangent: frame.tangent.widen(),
+                    bitangent: frame.bitangent.widen(),
+                    normal: frame.normal.widen(),
+                };
+                let (own_i, own_o) = (frame.to_local(wi), frame.to_local(wo));
+                let tilted = facets(own_i, own_o);
+                // The cosine of the light is the flake's, f is per cosine of the surface.
+                let lit = wi.z.gt(R::Wide::ZERO);
+                let factor = own_i.z.max(R::Wide::ZERO) / R::Wide::select(lit, wi.z, R::Wide::ONE);
+                Facets { lobe: tilted.lobe * factor, ..tilted }
+            }
+        };
+        (cos_half(wi, wo), found)
+    }
+}

@@ -1,0 +1,43 @@
+//! The documents' materials: their WGSL means what the Rust says and runs everywhere, they keep energy, and what is drawn for them has the
+//! density that is stated.
+#![cfg(feature = "gpu")]
+
+#[path = "../adapters/mod.rs"]
+mod adapters;
+mod energy;
+mod twins;
+
+use brdf::Vector;
+use brdf::material::{Point, built_in};
+use brdf::random::random;
+
+/// Every built-in material that has a twin: all of them.
+fn materials() -> Vec<(&'static str, brdf::material::Material)> {
+    built_in::all().iter().map(|named| (named.name, named.material().expect(named.name))).collect()
+}
+
+/// A point of the unit sphere, and what else a material may ask.
+fn point(index: u32) -> Point<f32> {
+    let [a, b, c, d] = random::<f64>(41, index, 0);
+    let [e, ..] = random::<f64>(41, index, 1);
+    let (theta, phi) = ((1.0 - 2.0 * a).acos().clamp(0.05, 3.09), std::f64::consts::TAU * b);
+    let position = Vector::<f64>::from_angles(theta, phi);
+    let tangent = Vector::new(-phi.sin(), phi.cos(), 0.0);
+    Point {
+        position,
+        tangent,
+        bitangent: position.cross(tangent),
+        uv: [b, 1.0 - theta / std::f64::consts::PI],
+        uv_per_length: [1.0 / (std::f64::consts::TAU * theta.sin()), 1.0 / std::f64::consts::PI],
+        occlusion: c,
+        distance: 0.5 + 9.5 * d,
+        footprint: 10f64.powf(-4.0 + 3.0 * e),
+    }
+    .cast()
+}
+
+/// A direction of the upper hemisphere.
+fn direction(index: u32, dimension: u32) -> Vector<f32> {
+    let [u, v, ..] = random::<f64>(43, index, dimension);
+    brdf::sampling::uniform_hemisphere([0.02 + 0.98 * u, v]).cast()
+}
