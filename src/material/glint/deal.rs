@@ -5,7 +5,7 @@
 //! at their ends, and so hashes half as often.
 
 use super::FINEST;
-use crate::hash::pcg;
+use crate::random::random_words;
 use crate::real::Real;
 
 /// From so many flakes on they are dealt by the moments of the binomial law, below by its bits.
@@ -122,7 +122,7 @@ impl Tree {
     /// The random bits of a node.
     fn bits(&self, node: u32) -> u128 {
         let [x, y, z, w] = self.key;
-        pcg([x, y, z, w.wrapping_add(node)]).iter().rev().fold(0, |bits, word| bits << 32 | u128::from(*word))
+        random_words([x, y, z, w.wrapping_add(node)]).iter().rev().fold(0, |bits, word| bits << 32 | u128::from(*word))
     }
 }
 
@@ -136,7 +136,7 @@ mod tests {
             for resolution in 1..=6 {
                 let last = (1u32 << resolution) - 1;
                 for cell in 0..20 {
-                    let key = pcg([cell, 3, 5, resolution]);
+                    let key = random_words([cell, 3, 5, resolution]);
                     let mut sum = 0.0;
                     for (i, j) in (0..=last).flat_map(|i| (0..=last).map(move |j| (i, j))) {
                         let held = leaf(key, count, resolution, i, j);
@@ -163,7 +163,7 @@ mod tests {
         for resolution in 1..=6 {
             let last = (1u32 << resolution) - 1;
             for (cell, count) in [0.7, 1.0, 5.5, 100.0, 300.0, 9999.0].into_iter().enumerate() {
-                let key = pcg([cell as u32, 1, 1, resolution]);
+                let key = random_words([cell as u32, 1, 1, resolution]);
                 for (i, j) in (0..last).flat_map(|i| (0..last).map(move |j| (i, j))) {
                     let want: [f64; 4] =
                         [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(p, q)| leaf(key, count, resolution, i + p, j + q));

@@ -129,61 +129,6 @@ const FINE: f64 = 16384.0;
 /// The coarsest level of detail but one: a footprint of a million spacings.
 const COARSEST: u32 = 20;
 
-<<<<<<< HEAD:src/material/glint/mod.rs
-=======
-/// How many flakes of a cell have facets in one leaf: half of those dealt to it and its opposite.
-///
-/// * `key`: four random words of the cell. `count`: how many flakes the cell holds, ≥ 0. `resolution`: J, from 1 to [`FINEST`],
-///   clamped. `column`, `row`: of the leaf, below 2^J, along the first and the second slope.
-///
-/// The sum over all leaves is `count`; leaf (i, j) has as many as (2^J−1−i, 2^J−1−j). Up to 128 flakes it is the same
-/// to the bit in every precision and in WGSL.
-pub fn leaf<R: Real>(key: [u32; 4], count: R, resolution: u32, column: u32, row: u32) -> R {
-    let resolution = resolution.clamp(1, FINEST);
-    let last = (1u32 << resolution) - 1;
-    let opposite = column > last / 2;
-    let (column, row) = if opposite { (last.wrapping_sub(column), last.wrapping_sub(row)) } else { (column, row) };
-    let steps = 2 * resolution - 1;
-    // The first digit of the column is the side that was folded away.
-    let digit = |step: u32| {
-        let (index, shift) = if step & 1 == 0 { (row, resolution - 1) } else { (column, resolution - 2) };
-        index >> (shift - step / 2) & 1
-    };
-    let bits = |node: u32| {
-        let words = random_words([key[0], key[1], key[2], key[3].wrapping_add(node)]);
-        words.iter().rev().fold(0u128, |bits, word| bits << 32 | u128::from(*word))
-    };
-    let (mut step, mut node, mut held) = (0, 1, count);
-    while step < steps && held.to_f64() >= MANY {
-        let deviation = R::from_f64(f64::from(bits(node).count_ones()) - 64.0);
-        let uneven = deviation * (held * R::from_f64(1.0 / MANY)).sqrt();
-        held = (R::HALF * held + if digit(step) == 0 { uneven } else { -uneven }).max(R::ZERO);
-        node = 2 * node + digit(step);
-        step += 1;
-    }
-    if step == steps {
-        return held * R::HALF;
-    }
-    // Fewer: whole flakes, and what is left of one, which stays together.
-    let mut whole = held.to_f64().min(MANY - 1.0) as u32;
-    let mut rest = (held - R::from_f64(f64::from(whole))).saturate();
-    while step < steps && (whole > 0 || rest.to_f64() > 0.0) {
-        let bits = bits(node);
-        let left = (bits & ((1 << whole) - 1)).count_ones();
-        let goes_left = bits >> whole & 1 == 1;
-        let here = digit(step);
-        whole = if here == 0 { left } else { whole - left };
-        rest = if goes_left == (here == 0) { rest } else { R::ZERO };
-        node = 2 * node + here;
-        step += 1;
-    }
-    (R::from_f64(f64::from(whole)) + rest) * R::HALF
-}
-
-/// From so many flakes on they are dealt by the moments of the binomial law, below by its bits.
-const MANY: f64 = 128.0;
-
->>>>>>> main:src/material/glint.rs
 /// [`leaf`] between the centres of the leaves, at a column and a row in [0, 2^J − 1].
 fn interpolated<R: Real>(key: [u32; 4], count: R, resolution: u32, column: R, row: R) -> R {
     let last = (1u32 << resolution) - 2;
@@ -251,37 +196,6 @@ mod tests {
     }
 
     #[test]
-<<<<<<< HEAD:src/material/glint/mod.rs
-=======
-    fn the_leaves_hold_every_flake() {
-        for count in [0.0, 0.3, 1.0, 2.625, 17.0, 64.5, 127.9375, 128.0, 128.5, 1000.25, 65536.0] {
-            for resolution in 1..=6 {
-                let last = (1u32 << resolution) - 1;
-                for cell in 0..20 {
-                    let key = random_words([cell, 3, 5, resolution]);
-                    let mut sum = 0.0;
-                    for (i, j) in (0..=last).flat_map(|i| (0..=last).map(move |j| (i, j))) {
-                        let held = leaf(key, count, resolution, i, j);
-                        assert!((0.0..=0.5 * count).contains(&held), "{held} of {count}");
-                        assert_eq!(held, leaf(key, count, resolution, last - i, last - j));
-                        if count <= 128.0 {
-                            assert_eq!(
-                                f64::from(leaf(key, count as f32, resolution, i, j)),
-                                leaf(key, count as f32 as f64, resolution, i, j)
-                            );
-                        }
-                        sum += held;
-                    }
-                    // Above 128 each of 11 splits rounds twice.
-                    let tolerance = if count <= 128.0 { 0.0 } else { 22.0 * f64::EPSILON * count };
-                    assert!((sum - count).abs() <= tolerance, "{count} {resolution}: {sum}");
-                }
-            }
-        }
-    }
-
-    #[test]
->>>>>>> main:src/material/glint.rs
     fn the_lobe_of_every_cell_is_normalised() {
         for (resolution, count) in [(2, 1.0), (3, 0.4), (3, 5.0), (4, 90.0), (4, 700.5)] {
             let (nodes, flakes) = (nodes(resolution), flakes(count, resolution));
