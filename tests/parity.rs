@@ -115,7 +115,7 @@ fn a_broken_twin_differs() {
             "masking_smith_ggx(wi, wo, alpha_x, alpha_y)",
             "masking_smith_ggx(wi, wo, alpha_y, alpha_x)",
         ),
-        ("glint", "leaf", "whole - left, left", "left, whole - left"),
+        ("glint", "leaf", "node.whole - left, left", "left, node.whole - left"),
         ("glint", "leaf", "- 64.0", "- 63.0"),
         ("glint", "factor", "level << 27u", "level << 26u"),
         ("glint", "factor", "column - f32(i)", "column - f32(j)"),

@@ -1,4 +1,4 @@
-// Flakes that glint, conserving energy in every cell. Twin of src/material/glint.rs, which derives it.
+// Flakes that glint, conserving energy in every cell. Twin of src/material/glint/, which derives it.
 
 import package::random;
 import package::real;
@@ -28,7 +28,7 @@ fn factor(h: vec3f, alpha: f32, flakes: Flakes, position: vec3f, footprint: f32)
     let column = clamp(_rank(h.x * inverse) * side - 0.5, 0.0, side - 1.0);
     let row = clamp(_rank(h.y * inverse) * side - 0.5, 0.0, side - 1.0);
     // The footprint in sides of the finer of the two cells, in [1, 2), and how much finer than it the spacing is.
-    var ratio = max(footprint / flakes.spacing, 1.0);
+    var ratio = footprint / flakes.spacing;
     var finer = 1.0;
     var level = 0u;
     for (; level < _coarsest && ratio >= 2.0; level++) {
@@ -44,6 +44,17 @@ fn factor(h: vec3f, alpha: f32, flakes: Flakes, position: vec3f, footprint: f32)
     return near * (1.0 - share) + far * share;
 }
 
+// From so many flakes on they are dealt by the moments of the binomial law, below by its bits.
+const _many: f32 = 128.0;
+
+// The flakes of a node: so many that they are counted by a real number, or whole ones and a part of one that stays together.
+struct _Node {
+    many: f32,
+    whole: u32,
+    rest: f32,
+    index: u32,
+}
+
 // How many flakes of a cell have facets in one leaf: half of those dealt to it and its opposite. Exact up to 128 flakes.
 fn leaf(key: vec4u, count: f32, resolution: u32, column: u32, row: u32) -> f32 {
     let depth = clamp(resolution, 1u, finest);
@@ -51,38 +62,84 @@ fn leaf(key: vec4u, count: f32, resolution: u32, column: u32, row: u32) -> f32 {
     let opposite = column > last / 2u;
     let i = select(column, last - column, opposite);
     let j = select(row, last - row, opposite);
-    let steps = 2u * depth - 1u;
-    var held = count;
-    var node = 1u;
-    var step = 0u;
-    for (; step < steps && held >= _many; step++) {
-        let ones = countOneBits(_bits(key, node));
-        let uneven = (f32(ones.x + ones.y + ones.z + ones.w) - 64.0) * sqrt(held * (1.0 / _many));
-        let digit = _digit(i, j, depth, step);
-        held = max(0.5 * held + select(-uneven, uneven, digit == 0u), 0.0);
-        node = 2u * node + digit;
-    }
-    if step == steps {
-        return 0.5 * held;
-    }
-    // Fewer: whole flakes, and what is left of one, which stays together.
-    var whole = u32(min(held, _many - 1.0));
-    var rest = clamp(held - f32(whole), 0.0, 1.0);
-    for (; step < steps && (whole > 0u || rest > 0.0); step++) {
-        let words = _bits(key, node);
-        let ones = countOneBits(words & _below(whole));
-        let left = ones.x + ones.y + ones.z + ones.w;
-        let goes_left = ((words[whole >> 5u] >> (whole & 31u)) & 1u) == 1u;
-        let digit = _digit(i, j, depth, step);
-        whole = select(whole - left, left, digit == 0u);
-        rest = select(0.0, rest, goes_left == (digit == 0u));
-        node = 2u * node + digit;
-    }
-    return 0.5 * (f32(whole) + rest);
+    return _facets(_descended(_node(count, 1u), key, depth, 0u, 2u * depth - 1u, i, j));
 }
 
-// From so many flakes on they are dealt by the moments of the binomial law, below by its bits.
-const _many: f32 = 128.0;
+// leaf at (column, row), (column+1, row), (column, row+1) and (column+1, row+1). Their ways down differ only at their ends.
+fn _corners(key: vec4u, count: f32, depth: u32, column: u32, row: u32) -> vec4f {
+    let last = (1u << depth) - 1u;
+    // Across the fold the four are two and two.
+    if column == last / 2u {
+        return vec4f(leaf(key, count, depth, column, row), leaf(key, count, depth, column + 1u, row),
+            leaf(key, count, depth, column, row + 1u), leaf(key, count, depth, column + 1u, row + 1u));
+    }
+    let opposite = column > last / 2u;
+    let a = select(column, last - column, opposite);
+    let b = select(column + 1u, last - column - 1u, opposite);
+    let c = select(row, last - row, opposite);
+    let d = select(row + 1u, last - row - 1u, opposite);
+    // The steps at which the columns and the rows part: where the highest digit that differs is asked for.
+    let by_column = 2u * (depth - 1u - firstLeadingBit(a ^ b)) - 1u;
+    let by_row = 2u * (depth - 1u - firstLeadingBit(c ^ d));
+    let first = min(by_column, by_row);
+    let second = max(by_column, by_row);
+    let columns_first = by_column < by_row;
+    let root = _descended(_node(count, 1u), key, depth, 0u, first, a, c);
+    let one = _descended(root, key, depth, first, second, a, c);
+    let two = _descended(root, key, depth, first, second, select(a, b, columns_first), select(d, c, columns_first));
+    var beside = one;
+    var above = two;
+    if columns_first {
+        beside = two;
+        above = one;
+    }
+    let steps = 2u * depth - 1u;
+    return vec4f(_facets(_descended(one, key, depth, second, steps, a, c)),
+        _facets(_descended(beside, key, depth, second, steps, b, c)),
+        _facets(_descended(above, key, depth, second, steps, a, d)),
+        _facets(_descended(two, key, depth, second, steps, b, d)));
+}
+
+fn _node(count: f32, index: u32) -> _Node {
+    if count >= _many {
+        return _Node(count, 0u, 0.0, index);
+    }
+    let whole = u32(count);
+    return _Node(0.0, whole, clamp(count - f32(whole), 0.0, 1.0), index);
+}
+
+// Half of a node's flakes.
+fn _facets(node: _Node) -> f32 {
+    if node.many >= _many {
+        return 0.5 * node.many;
+    }
+    return 0.5 * (f32(node.whole) + node.rest);
+}
+
+// The node that the steps from one to before another lead to, on the way to a leaf.
+fn _descended(start: _Node, key: vec4u, depth: u32, from_step: u32, to_step: u32, column: u32, row: u32) -> _Node {
+    var node = start;
+    for (var step = from_step; step < to_step; step++) {
+        let digit = _digit(column, row, depth, step);
+        let index = 2u * node.index + digit;
+        if node.many >= _many {
+            let ones = countOneBits(_bits(key, node.index));
+            let uneven = (f32(ones.x + ones.y + ones.z + ones.w) - 64.0) * sqrt(node.many * (1.0 / _many));
+            node = _node(max(0.5 * node.many + select(-uneven, uneven, digit == 0u), 0.0), index);
+        } else if node.whole > 0u || node.rest > 0.0 {
+            let words = _bits(key, node.index);
+            let ones = countOneBits(words & _below(node.whole));
+            let left = ones.x + ones.y + ones.z + ones.w;
+            let goes_left = ((words[node.whole >> 5u] >> (node.whole & 31u)) & 1u) == 1u;
+            node.whole = select(node.whole - left, left, digit == 0u);
+            node.rest = select(0.0, node.rest, goes_left == (digit == 0u));
+            node.index = index;
+        } else {
+            break;
+        }
+    }
+    return node;
+}
 
 // The side to which a step goes. The first digit of the column is the side that was folded away.
 fn _digit(column: u32, row: u32, depth: u32, step: u32) -> u32 {
@@ -118,8 +175,9 @@ fn _grain(flakes: Flakes, resolution: u32, side: f32, column: f32, row: f32, pos
     let j = min(u32(row), last);
     let u = clamp(column - f32(i), 0.0, 1.0);
     let v = clamp(row - f32(j), 0.0, 1.0);
-    let low = leaf(key, count, resolution, i, j) * (1.0 - u) + leaf(key, count, resolution, i + 1u, j) * u;
-    let high = leaf(key, count, resolution, i, j + 1u) * (1.0 - u) + leaf(key, count, resolution, i + 1u, j + 1u) * u;
+    let corners = _corners(key, count, resolution, i, j);
+    let low = corners.x * (1.0 - u) + corners.y * u;
+    let high = corners.z * (1.0 - u) + corners.w * u;
     return (low * (1.0 - v) + high * v) / count * (side * side);
 }
 

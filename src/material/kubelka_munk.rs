@@ -62,6 +62,7 @@ mod tests {
     use super::*;
     use crate::Vector;
     use crate::layered::{Interface, Layer, Model, Stack};
+    use crate::single::Single;
 
     /// K, S, X and R_g, ρ: the coth form in mpmath, 60 digits.
     const REFERENCE: [([f64; 4], f64); 12] = [
@@ -78,6 +79,11 @@ mod tests {
         ([0.01, 100.0, 0.2, 0.25], 0.951811221529706989),
         ([0.001, 0.001, 0.001, 0.5], 0.499999250001124999),
     ];
+
+    fn white_in_single() -> f64 {
+        let [k, s, x, ground] = [0.0, 1e20, 1e20, 0.5].map(Single::<false>::from_f64);
+        film(k, s, x, ground).to_f64()
+    }
 
     /// Numbers in a cube, by an additive recurrence (Roberts 2018).
     fn points(count: u32) -> impl Iterator<Item = [f64; 5]> {
@@ -125,6 +131,8 @@ mod tests {
             let (low, high) = (deep.min(ground), deep.max(ground));
             assert!((low * (1.0 - 4e-16)..=high * (1.0 + 4e-16)).contains(&rho), "{k} {s} {x} {ground}: {rho}");
         }
+        // Weights that f32 throughout cannot hold.
+        assert_eq!(white_in_single(), 1.0);
         for wild in [0.0f32, 1e-38, 1e-10, 1.0, 1e10, 1e30, f32::MAX] {
             for other in [0.0f32, 1e-38, 1.0, 1e30, f32::MAX] {
                 for thickness in [0.0f32, 1e-38, 1.0, 1e30, f32::MAX] {

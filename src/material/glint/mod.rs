@@ -1,6 +1,6 @@
 //! Flakes that glint, with the same energy at every place and every distance.
 //!
-//! Twin: `wgsl/glint.wgsl`. [`factor`] multiplies the D of a Beckmann interface of V-cavities: where few flakes lie under a pixel
+//! Twin: `wgsl/glint.wgsl`, of this module and the one inside it. [`factor`] multiplies the D of a Beckmann interface of V-cavities: where few flakes lie under a pixel
 //! the lobe breaks into grains, from afar it is Beckmann's own.
 //!
 //! # The construction
@@ -37,17 +37,22 @@
 //! Deliot & Belcour 2023 draw the number of flakes that reflect at a half vector by an approximate binomial law for each cell of
 //! slopes *independently*. Where that is done the mean over cells is right, and the integral over directions of one cell
 //! strays from 1 by the deviation of Poisson's law, 1/√N: by 1 where a pixel sees one flake (measured in
-//! `glint::tests::independent_leaves_would_not_conserve`). Dealing costs up to 2J−1 hashes for each of up to eight
-//! leaves where they take one, and leaves nothing to stray. Kemppinen et al. 2025 (doi 10.1145/3763282) place points of a process in
+//! `glint::tests::independent_leaves_would_not_conserve`). Dealing costs 2J−1 hashes, and some for each
+//! of the four leaves around, at two levels of detail; and leaves nothing to stray. Kemppinen et al. 2025 (doi 10.1145/3763282) place points of a process in
 //! four dimensions, in constant time and without memory, converge to Beckmann's lobe and draw from it; of the energy of
 //! a single pixel their abstract says nothing. What they have and this has not: flakes that stay while the level of detail changes, a footprint of two axes,
 //! and directions drawn from the grains themselves; here they are drawn from the lobe, and weigh up to g.
 //!
 //! COST
 
+mod deal;
+
+pub use deal::leaf;
+
 use crate::frame::Vector;
 use crate::random::random_words;
 use crate::real::Real;
+use deal::corners;
 
 /// The largest [`Flakes::resolution`].
 pub const FINEST: u32 = 8;
@@ -98,7 +103,7 @@ pub fn factor<R: Real>(h: Vector<R>, alpha: R, flakes: &Flakes<R>, position: Vec
     };
     let (column, row) = (place(h.x), place(h.y));
     // The footprint in sides of the finer of the two cells, in [1, 2), and how much finer than it the spacing is.
-    let (mut ratio, mut level, mut finer) = ((footprint / flakes.spacing).max(R::ONE), 0, R::ONE);
+    let (mut ratio, mut level, mut finer) = (footprint / flakes.spacing, 0, R::ONE);
     while level < COARSEST && ratio.to_f64() >= 2.0 {
         (ratio, level, finer) = (ratio * R::HALF, level + 1, finer * R::HALF);
     }
@@ -124,67 +129,14 @@ const FINE: f64 = 16384.0;
 /// The coarsest level of detail but one: a footprint of a million spacings.
 const COARSEST: u32 = 20;
 
-/// How many flakes of a cell have facets in one leaf: half of those dealt to it and its opposite.
-///
-/// * `key`: four random words of the cell. `count`: how many flakes the cell holds, ≥ 0. `resolution`: J, from 1 to [`FINEST`],
-///   clamped. `column`, `row`: of the leaf, below 2^J, along the first and the second slope.
-///
-/// The sum over all leaves is `count`; leaf (i, j) has as many as (2^J−1−i, 2^J−1−j). Up to 128 flakes it is the same
-/// to the bit in every precision and in WGSL.
-pub fn leaf<R: Real>(key: [u32; 4], count: R, resolution: u32, column: u32, row: u32) -> R {
-    let resolution = resolution.clamp(1, FINEST);
-    let last = (1u32 << resolution) - 1;
-    let opposite = column > last / 2;
-    let (column, row) = if opposite { (last.wrapping_sub(column), last.wrapping_sub(row)) } else { (column, row) };
-    let steps = 2 * resolution - 1;
-    // The first digit of the column is the side that was folded away.
-    let digit = |step: u32| {
-        let (index, shift) = if step & 1 == 0 { (row, resolution - 1) } else { (column, resolution - 2) };
-        index >> (shift - step / 2) & 1
-    };
-    let bits = |node: u32| {
-        let words = random_words([key[0], key[1], key[2], key[3].wrapping_add(node)]);
-        words.iter().rev().fold(0u128, |bits, word| bits << 32 | u128::from(*word))
-    };
-    let (mut step, mut node, mut held) = (0, 1, count);
-    while step < steps && held.to_f64() >= MANY {
-        let deviation = R::from_f64(f64::from(bits(node).count_ones()) - 64.0);
-        let uneven = deviation * (held * R::from_f64(1.0 / MANY)).sqrt();
-        held = (R::HALF * held + if digit(step) == 0 { uneven } else { -uneven }).max(R::ZERO);
-        node = 2 * node + digit(step);
-        step += 1;
-    }
-    if step == steps {
-        return held * R::HALF;
-    }
-    // Fewer: whole flakes, and what is left of one, which stays together.
-    let mut whole = held.to_f64().min(MANY - 1.0) as u32;
-    let mut rest = (held - R::from_f64(f64::from(whole))).saturate();
-    while step < steps && (whole > 0 || rest.to_f64() > 0.0) {
-        let bits = bits(node);
-        let left = (bits & ((1 << whole) - 1)).count_ones();
-        let goes_left = bits >> whole & 1 == 1;
-        let here = digit(step);
-        whole = if here == 0 { left } else { whole - left };
-        rest = if goes_left == (here == 0) { rest } else { R::ZERO };
-        node = 2 * node + here;
-        step += 1;
-    }
-    (R::from_f64(f64::from(whole)) + rest) * R::HALF
-}
-
-/// From so many flakes on they are dealt by the moments of the binomial law, below by its bits.
-const MANY: f64 = 128.0;
-
 /// [`leaf`] between the centres of the leaves, at a column and a row in [0, 2^J − 1].
 fn interpolated<R: Real>(key: [u32; 4], count: R, resolution: u32, column: R, row: R) -> R {
     let last = (1u32 << resolution) - 2;
     let (i, j) = ((column.to_f64() as u32).min(last), (row.to_f64() as u32).min(last));
     let u = (column - R::from_f64(f64::from(i))).saturate();
     let v = (row - R::from_f64(f64::from(j))).saturate();
-    let at = |i, j| leaf(key, count, resolution, i, j);
-    let low = at(i, j) * (R::ONE - u) + at(i + 1, j) * u;
-    let high = at(i, j + 1) * (R::ONE - u) + at(i + 1, j + 1) * u;
+    let [a, b, c, d] = corners(key, count, resolution, i, j);
+    let (low, high) = (a * (R::ONE - u) + b * u, c * (R::ONE - u) + d * u);
     low * (R::ONE - v) + high * v
 }
 
@@ -241,34 +193,6 @@ mod tests {
     fn nodes(resolution: u32) -> Vec<f64> {
         let count = 2 << resolution;
         (0..count).map(|i| ALPHA * slope_of((f64::from(i) + 0.5) / f64::from(count))).collect()
-    }
-
-    #[test]
-    fn the_leaves_hold_every_flake() {
-        for count in [0.0, 0.3, 1.0, 2.625, 17.0, 64.5, 127.9375, 128.0, 128.5, 1000.25, 65536.0] {
-            for resolution in 1..=6 {
-                let last = (1u32 << resolution) - 1;
-                for cell in 0..20 {
-                    let key = random_words([cell, 3, 5, resolution]);
-                    let mut sum = 0.0;
-                    for (i, j) in (0..=last).flat_map(|i| (0..=last).map(move |j| (i, j))) {
-                        let held = leaf(key, count, resolution, i, j);
-                        assert!((0.0..=0.5 * count).contains(&held), "{held} of {count}");
-                        assert_eq!(held, leaf(key, count, resolution, last - i, last - j));
-                        if count <= 128.0 {
-                            assert_eq!(
-                                f64::from(leaf(key, count as f32, resolution, i, j)),
-                                leaf(key, count as f32 as f64, resolution, i, j)
-                            );
-                        }
-                        sum += held;
-                    }
-                    // Above 128 each of 11 splits rounds twice.
-                    let tolerance = if count <= 128.0 { 0.0 } else { 22.0 * f64::EPSILON * count };
-                    assert!((sum - count).abs() <= tolerance, "{count} {resolution}: {sum}");
-                }
-            }
-        }
     }
 
     #[test]
@@ -382,6 +306,22 @@ mod tests {
         for footprint in [1.3e1, 1e3, 1e30, f64::INFINITY] {
             assert_eq!(factor(h, ALPHA, &flakes, place(3), footprint), 1.0);
         }
+    }
+
+    #[test]
+    fn levels_are_independent() {
+        // The first cell of each level, under many seeds.
+        let (h, position) = (Vector::new(0.05, 0.1, 1.0), Vector::new(0.001, 0.001, 0.001));
+        let (mut product, mut squares) = (0.0, [0.0; 2]);
+        for seed in 0..2000 {
+            let flakes = Flakes { seed, ..flakes(4.0, 2) };
+            let [fine, coarse] = [0.01, 0.02].map(|footprint| factor(h, ALPHA, &flakes, position, footprint) - 1.0);
+            product += fine * coarse;
+            squares = [squares[0] + fine * fine, squares[1] + coarse * coarse];
+        }
+        // Four standard errors of a correlation that is 0.
+        let correlation = product / (squares[0] * squares[1]).sqrt();
+        assert!(correlation.abs() < 4.0 / 2000f64.sqrt(), "{correlation}");
     }
 
     #[test]
