@@ -44,7 +44,6 @@ pub struct ImageRequest<'a> {
 /// Reads a material file. `load` is asked once for each image in each encoding.
 ///
 /// ```
-/// use brdf::Point;
 /// use brdf::material::description::read_file;
 ///
 /// let file = r#"
@@ -238,20 +237,18 @@ fn whole(entry: &Entry<'_>, range: RangeInclusive<u32>) -> Result<u32, Descripti
 
 /// What is said of a number that is not in a range.
 fn outside(place: &Place, number: f64, range: &RangeInclusive<f64>) -> DescriptionError {
-    let allowed = match (*range.start(), *range.end()) {
-        (f64::MIN, f64::MAX) => "finite".to_owned(),
-        (low, f64::MAX) if low == f64::MIN_POSITIVE => "finite and above 0".to_owned(),
-        (low, f64::MAX) => format!("finite and at least {low}"),
-        (low, high) => format!("in [{low}, {high}]"),
-    };
-    place.error(format!("{number} is not allowed, it must be {allowed}"))
+    let short = |x: f64| if x != 0.0 && !(1e-6..1e16).contains(&x.abs()) { format!("{x:e}") } else { format!("{x}") };
+    let [number, low, high] = [number, *range.start(), *range.end()].map(short);
+    place.error(format!("{number} is not allowed, it must be in [{low}, {high}]"))
 }
 
-/// Every finite number.
-const FINITE: RangeInclusive<f64> = f64::MIN..=f64::MAX;
-/// Every finite number that is not negative.
-const NOT_NEGATIVE: RangeInclusive<f64> = 0.0..=f64::MAX;
-/// Every finite number above 0.
-const POSITIVE: RangeInclusive<f64> = f64::MIN_POSITIVE..=f64::MAX;
+/// The largest number of a file: squares of it are still numbers in f64, and it is one in f32.
+const LARGEST: f64 = 1e30;
+/// Every number that a file may have.
+const FINITE: RangeInclusive<f64> = -LARGEST..=LARGEST;
+/// Those that are not negative.
+const NOT_NEGATIVE: RangeInclusive<f64> = 0.0..=LARGEST;
+/// Those that are above 0.
+const POSITIVE: RangeInclusive<f64> = LARGEST.recip()..=LARGEST;
 /// Shares and reflectances.
 const SHARE: RangeInclusive<f64> = 0.0..=1.0;

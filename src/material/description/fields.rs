@@ -1,6 +1,6 @@
 //! Fields of material files: numbers and colours that vary over a surface.
 
-use super::{DescriptionError, FINITE, NOT_NEGATIVE, Reader, outside, whole, within};
+use super::{DescriptionError, FINITE, NOT_NEGATIVE, Reader, whole, within};
 use crate::layered::description::Value;
 use crate::layered::description::tree::{Entry, Table, suggestion};
 use crate::material::field::{Colour, Lookup, Noise, Property, Scalar};
@@ -265,14 +265,10 @@ fn ramp(
         let problem = format!("there are {} colours, a ramp has 1 to {MOST_STOPS}", items.len());
         return Err(entry.place.error(problem));
     }
-    let single = |place: &Entry<'_>, x: f64| {
-        let number = x as f32;
-        if number.is_finite() { Ok(number) } else { Err(outside(&place.place, x, &(-3.4e38..=3.4e38))) }
-    };
     let mut colours = Vec::new();
     for item in &items {
         let [r, g, b] = triple(item, range)?;
-        colours.push([single(item, r)?, single(item, g)?, single(item, b)?]);
+        colours.push([r as f32, g as f32, b as f32]);
     }
     let Some(at) = at else {
         let ramp = if banded { Ramp::banded(&colours) } else { Ramp::even(&colours) };
@@ -283,8 +279,8 @@ fn ramp(
         let problem = format!("there are {} positions for {} colours", places.len(), colours.len());
         return Err(at.place.error(problem));
     }
-    let positions = places.iter().map(|place| single(place, within(place, &FINITE)?)).collect::<Result<Vec<_>, _>>()?;
-    let stops = positions.into_iter().zip(colours).map(|(at, colour)| Stop { at, colour });
+    let positions = places.iter().map(|place| within(place, &FINITE)).collect::<Result<Vec<_>, _>>()?;
+    let stops = positions.into_iter().zip(colours).map(|(at, colour)| Stop { at: at as f32, colour });
     Ramp::new(stops).map_err(|error| match error {
         RampError::Descending { stop } => {
             let place = places.get(stop).map_or(&at.place, |place| &place.place);
