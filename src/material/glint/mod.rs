@@ -24,7 +24,8 @@
 //!
 //! The side of a cell is the footprint, between two powers of two of the [`Flakes::spacing`], whose values are mixed in
 //! proportion; N grows with the square of the side. g depends continuously on the footprint: it changes by at most
-//! 4^J·Δ/side while the footprint changes by Δ. Neighbouring cells are not mixed. From N = 2¹⁴·4^J on, where the
+//! 4^J·Δ/side while the footprint changes by Δ. A mixture of w of the coarser level has (1−w)² + w²/4 of the finer one's
+//! variance. Neighbouring cells are not mixed. From N = 2¹⁴·4^J on, where the
 //! standard deviation of g is below half a per cent, g is 1.
 //!
 //! Over cells the mean of g is 1 and its variance (4^J·Σw²/2 − 1)/N, w the shares of the up to four leaves that h lies between: (2·4^J/9 − 1)/N
