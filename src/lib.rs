@@ -69,6 +69,8 @@ pub mod plan;
 pub mod random;
 pub mod real;
 pub mod refraction;
+#[cfg(feature = "render")]
+pub mod render;
 pub mod sampling;
 mod series;
 #[cfg(feature = "shader")]

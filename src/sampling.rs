@@ -57,6 +57,9 @@ use crate::layered::{Interface, Layer, Model, Stack};
 use crate::real::{Mask, Real};
 use crate::refraction::refract;
 
+mod view;
+pub use view::{View, Views};
+
 /// The share of the mixture that follows the safe weights: 1/4. More of it lowers the bound, and costs variance.
 const SAFE_SHARE: f64 = 0.25;
 
@@ -269,7 +272,7 @@ pub(crate) fn draw<R: Real, const C: usize>(
 }
 
 /// The two weights of a lobe, of which the module's documentation tells; or sums of them.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Weights<R> {
     estimate: R,
     safe: R,
@@ -297,11 +300,13 @@ impl<R: Real> Weights<R> {
 }
 
 /// What one interface reflects a view to.
+#[derive(Clone, Copy, Debug)]
 struct Lobe<R> {
     weights: Weights<R>,
     shape: Shape<R>,
 }
 
+#[derive(Clone, Copy, Debug)]
 enum Shape<R> {
     /// Facets of width `alpha`, in the medium of index `n` under media of which `least` is the smallest index, 1 included.
     /// `view` is refracted down to them. At the `top` directions are those outside. The share `spread` is drawn from the

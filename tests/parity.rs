@@ -44,6 +44,9 @@ fn twins_agree_on_every_adapter() {
                 ("brushed", "reflect_visible_ggx") => 0.01,
                 // A place on the border between two cells.
                 ("glint", "factor") => 0.001,
+                // Octaves whose frequency is rounded: where that decides which cell a point is in, the hash is open.
+                // `tests/textures_gpu.rs` holds these to the slope of the noise.
+                ("noise", "fractal" | "fractal_slope" | "ridged") => 0.02,
                 _ => 0.0,
             };
             assert!(silent <= limit, "{name}: {} unbounded", result.unbounded);

@@ -27,14 +27,14 @@ fn tilted(normal: vec3f, slope: vec3f) -> vec3f {
 
 // 2c - 1, made unit; a negative z counts as 0.
 fn decode_rgb(texel: vec3f) -> vec3f {
-    let n = 2.0 * texel - 1.0;
+    let n = 2.0 * (texel - 0.5);
     return _unit_or_up(vec3f(n.xy, max(n.z, 0.0)));
 }
 
 // x from alpha, y from green, z from the unit length (Mihaylov 2013, eq. 4.13); on the horizon out of the disc.
 fn decode_two_channel(a: f32, g: f32) -> vec3f {
-    let x = 2.0 * a - 1.0;
-    let y = 2.0 * g - 1.0;
+    let x = 2.0 * (a - 0.5);
+    let y = 2.0 * (g - 0.5);
     let squared = x * x + y * y;
     let scale = 1.0 / sqrt(max(squared, 1.0));
     return vec3f(x * scale, y * scale, sqrt(max(1.0 - squared, 0.0)));

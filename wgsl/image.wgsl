@@ -18,12 +18,13 @@ fn bilinear(first: u32, width: u32, height: u32, uv: vec2f) -> vec4f {
 
 // The four texels around a point blended linearly, those at the edges repeated outwards.
 fn bilinear_clamped(first: u32, width: u32, height: u32, uv: vec2f) -> vec4f {
-    let size = vec2f(f32(width), f32(height));
-    let place = min(max(clamp(uv, vec2f(0.0), vec2f(1.0)) * size - 0.5, vec2f(0.0)), size - 1.0);
-    let cell = floor(place);
-    let share = clamp(place - cell, vec2f(0.0), vec2f(1.0));
+    let last = vec2u(width, height) - 1u;
+    let place = clamp(uv, vec2f(0.0), vec2f(1.0)) * vec2f(f32(width), f32(height)) - 0.5;
+    let inside = clamp(place, vec2f(0.0), vec2f(last));
+    let cell = floor(inside);
+    let share = clamp(inside - cell, vec2f(0.0), vec2f(1.0));
     let low = vec2u(cell);
-    return _blended(first, width, low, min(low + 1u, vec2u(width, height) - 1u), share);
+    return _blended(first, width, low, min(low + 1u, last), share);
 }
 
 // The texel that a point lies in, the image repeated.

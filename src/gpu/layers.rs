@@ -1,4 +1,5 @@
-//! Stacks in the storage buffers that the twins of [`crate::layered`] read, and texels in those of [`crate::table`].
+//! Stacks in the storage buffers that the twins of [`crate::layered`] read, and texels in those of [`crate::table`] and
+//! [`crate::texture`].
 
 use crate::layered::{BufferLayer, Coupled, Layer, Model, Stack};
 use crate::real::Real;
@@ -38,6 +39,22 @@ fn distribution_texel(column: u32, row: u32) -> f32 {
 }
 ";
 
+/// The WGSL that binds a storage buffer of texels, all images one after another, and supplies `material_texel` to the module `image`.
+pub const TEXEL_BINDINGS: &str = "\
+@group(0) @binding(7) var<storage, read> material_texels: array<vec4f>;
+fn material_texel(index: u32) -> vec4f {
+    return material_texels[index];
+}
+";
+
+/// The WGSL that binds a storage buffer of stops, all ramps one after another, and supplies `ramp_stop` to the module `ramp`.
+pub const RAMP_BINDINGS: &str = "\
+@group(0) @binding(8) var<storage, read> ramp_stops: array<vec4f>;
+fn ramp_stop(index: u32) -> vec4f {
+    return ramp_stops[index];
+}
+";
+
 /// The bytes of a storage buffer that holds these layers.
 pub fn layer_bytes<'a>(layers: impl IntoIterator<Item = &'a Layer<f32, 3>>) -> Vec<u8> {
     let layers: Vec<BufferLayer> = layers.into_iter().map(BufferLayer::from).collect();
@@ -52,6 +69,9 @@ pub struct StackBuffers {
     /// Texels of F and of D, for the twins of [`crate::table`].
     pub(crate) fresnel: Vec<[f64; 4]>,
     pub(crate) distribution: Vec<f64>,
+    /// Texels of images and stops of ramps, for the twins of [`crate::texture`].
+    pub(crate) texels: Vec<[f64; 4]>,
+    pub(crate) stops: Vec<[f64; 4]>,
 }
 
 /// Where a stack lies in its [`StackBuffers`]: what the twins take as `first`, `count` and `table`.
@@ -84,6 +104,8 @@ impl StackBuffers {
             ("coupled_row(", TABLE_BINDINGS),
             ("fresnel_texel(", FRESNEL_BINDINGS),
             ("distribution_texel(", DISTRIBUTION_BINDINGS),
+            ("material_texel(", TEXEL_BINDINGS),
+            ("ramp_stop(", RAMP_BINDINGS),
         ];
         needed.into_iter().filter(|(call, _)| source.contains(call)).map(|(_, bindings)| bindings).collect()
     }
@@ -111,6 +133,12 @@ impl StackBuffers {
             let mut texels: Vec<f32> = self.distribution.iter().map(|x| *x as f32).collect();
             texels.resize(texels.len().max(1), 0.0);
             storage.push(bytemuck::cast_slice(&texels).to_vec());
+        }
+        if source.contains("material_texel(") {
+            storage.push(vectors(&self.texels));
+        }
+        if source.contains("ramp_stop(") {
+            storage.push(vectors(&self.stops));
         }
         storage
     }

@@ -32,7 +32,8 @@ pub use adapter::{AdapterInfo, adapters};
 pub use error::GpuError;
 pub use kernel::Kernel;
 pub use layers::{
-    DISTRIBUTION_BINDINGS, FRESNEL_BINDINGS, STACK_BINDINGS, StackBuffers, StackPlace, TABLE_BINDINGS, layer_bytes,
+    DISTRIBUTION_BINDINGS, FRESNEL_BINDINGS, RAMP_BINDINGS, STACK_BINDINGS, StackBuffers, StackPlace, TABLE_BINDINGS,
+    TEXEL_BINDINGS, layer_bytes,
 };
 pub use policy::{Policy, policy};
 pub use rows::{columns, rows};

@@ -152,7 +152,9 @@ fn evaluate<N: Number, T: Copy + Into<f64>>(
         .with_numbers(0, STORAGE_BINDING, stacks.layers.iter().flat_map(numbers).collect())
         .with_numbers(0, STORAGE_BINDING + 1, stacks.rows.as_flattened().to_vec())
         .with_numbers(0, STORAGE_BINDING + 2, stacks.fresnel.as_flattened().to_vec())
-        .with_numbers(0, STORAGE_BINDING + 3, stacks.distribution.clone());
+        .with_numbers(0, STORAGE_BINDING + 3, stacks.distribution.clone())
+        .with_numbers(0, STORAGE_BINDING + 4, stacks.texels.as_flattened().to_vec())
+        .with_numbers(0, STORAGE_BINDING + 5, stacks.stops.as_flattened().to_vec());
     let results = program.run(&cells, &mut buffers)?;
     let width = results.len() / rows.len().max(1);
     let real = |cell: &Cell<N>| match cell {

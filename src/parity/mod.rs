@@ -11,7 +11,9 @@
 
 mod derived;
 mod draw;
+#[macro_use]
 mod table;
+mod textures;
 
 pub use derived::{allowed, meaning, text_double, text_single};
 pub use draw::Draw;

@@ -1,6 +1,7 @@
 //! Every public WGSL function with the Rust function that is its twin and the inputs they are compared on.
 
 use super::draw::Draw;
+use super::textures;
 use crate::frame::Vector;
 use crate::gpu::{StackBuffers, StackPlace};
 use crate::interval::WgslInterval;
@@ -8,7 +9,9 @@ use crate::layered::{self, Interface, Layer, Model, Stack};
 use crate::material::{brushed, flake, glint, kubelka_munk, metal::METALS, patina, stack::built_in};
 use crate::real::Real;
 use crate::table::{DistributionTable, ENTRIES, FresnelTable, Mapping, SIDE};
-use crate::{absorption, diffuse, distribution, fresnel, masking, microfacet, phong, refraction, sampling, walk};
+use crate::{
+    absorption, diffuse, distribution, fresnel, masking, microfacet, phong, random, refraction, sampling, walk,
+};
 use std::sync::OnceLock;
 
 /// How a twin's results are judged.
@@ -63,7 +66,7 @@ macro_rules! twin {
 }
 
 /// The vector that starts at an argument.
-fn at<R: Real>(arguments: &[R], start: usize) -> Vector<R> {
+pub(super) fn at<R: Real>(arguments: &[R], start: usize) -> Vector<R> {
     Vector::new(arguments[start], arguments[start + 1], arguments[start + 2])
 }
 
@@ -76,7 +79,7 @@ macro_rules! flat {
     }};
 }
 
-trait Flat {
+pub(super) trait Flat {
     fn extend(self, list: &mut Vec<f64>);
 }
 impl Flat for f64 {
@@ -130,7 +133,7 @@ fn fitted<R: Real, const N: usize>(a: &[R]) -> Vec<R> {
     split.iter().map(|f| f.reflectance).chain(split.iter().map(|f| f.transmittance)).collect()
 }
 
-fn coordinates<R: Real>(v: Vector<R>) -> [R; 3] {
+pub(super) fn coordinates<R: Real>(v: Vector<R>) -> [R; 3] {
     v.into()
 }
 
@@ -288,6 +291,8 @@ pub fn buffers(source: &str) -> &'static StackBuffers {
     } else if source.contains("fresnel_texel(") || source.contains("distribution_texel(") {
         let mapping = if source.contains("_over_root(") { Mapping::Root } else { Mapping::Angle };
         &texel_table(mapping).buffers
+    } else if source.contains("material_texel(") || source.contains("ramp_stop(") {
+        textures::buffers()
     } else {
         &stack_table().buffers
     }
@@ -422,7 +427,7 @@ fn walk_twin() -> Twin {
 /// Every twin.
 #[rustfmt::skip]
 pub fn twins() -> Vec<Twin> {
-    vec![
+    let mut twins = vec![
         twin!(real::sum_exact / 2, ErrorFree, |d| flat![d.between(-4.0, 4.0), d.between(-1e-3, 1e-3)], |a| {
             let (sum, error) = a[0].sum_exact(a[1]);
             [sum, error]
@@ -619,5 +624,7 @@ pub fn twins() -> Vec<Twin> {
             let flakes = glint::Flakes { spacing: a[4], count: a[5], resolution, seed };
             [glint::factor(at(a, 0), a[3], &flakes, at(a, 8), a[11])]
         }),
-    ]
+    ];
+    twins.extend(textures::twins());
+    twins
 }

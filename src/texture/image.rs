@@ -189,7 +189,8 @@ pub fn bilinear<R: Real>(image: &Image, uv: [R; 2]) -> [R; 4] {
 pub fn bilinear_clamped<R: Real>(image: &Image, uv: [R; 2]) -> [R; 4] {
     let place = [0, 1].map(|axis| {
         let size = R::from_f64(f64::from(image.sizes()[axis]));
-        (uv[axis].saturate() * size - R::HALF).max(R::ZERO).min(size - R::ONE)
+        let last = R::from_f64(f64::from(image.sizes()[axis] - 1));
+        (uv[axis].saturate() * size - R::HALF).max(R::ZERO).min(last)
     });
     image.blended(place, |index, size| index.min(size - 1))
 }

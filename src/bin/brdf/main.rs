@@ -10,6 +10,7 @@ mod merge;
 mod parity;
 mod plan;
 mod plot;
+mod render;
 mod shader;
 mod term;
 
@@ -44,6 +45,8 @@ enum Command {
     Plan(plan::Options),
     /// Draw a term as SVG.
     Plot(plot::Options),
+    /// Take a picture of a material.
+    Render(render::Options),
 }
 
 fn main() -> ExitCode {
@@ -57,6 +60,7 @@ fn main() -> ExitCode {
         Command::Shader(options) => shader::run(&options),
         Command::Plan(options) => plan::run(&options),
         Command::Plot(options) => plot::run(&options),
+        Command::Render(options) => render::run(&options),
     };
     match result {
         Ok(code) => code,

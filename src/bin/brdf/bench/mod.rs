@@ -6,8 +6,10 @@ mod document;
 mod host;
 mod layered;
 mod machine;
+mod materials;
 mod shaders;
 mod terms;
+mod timed;
 
 use crate::failure::Failure;
 use clap::{Args, Subcommand};
@@ -28,6 +30,8 @@ enum Subject {
     Layered(layered::Options),
     /// The WGSL of stacks against the general kernel, on every adapter.
     Shaders(shaders::Options),
+    /// The documents' materials against Phong with the same features, on every adapter.
+    Materials(materials::Options),
     /// The measured peak of this processor: multiply-adds, divides, roots and copying.
     Machine(machine::Options),
     /// Writes docs/performance.md and its charts from measurements made now.
@@ -39,6 +43,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
         Subject::Terms(options) => terms::run(options),
         Subject::Layered(options) => layered::run(options),
         Subject::Shaders(options) => shaders::run(options),
+        Subject::Materials(options) => materials::run(options),
         Subject::Machine(options) => machine::run(options),
         Subject::Document(options) => document::run(options),
     }

@@ -1,0 +1,420 @@
+//! Pictures against what is known of them: closed forms, furnaces, themselves in other ways, and files that are broken.
+#![cfg(feature = "render")]
+
+use brdf::layered::{Interface, Layer, Model, Stack};
+use brdf::material::{Material, built_in, stack};
+use brdf::render::camera::{Camera, Orbit};
+use brdf::render::environment::Environment;
+use brdf::render::light::{Falloff, Light};
+use brdf::render::mesh::Mesh;
+use brdf::render::offline::{self, Options, Strategy};
+use brdf::render::shape::Shape;
+use brdf::render::torus::Torus;
+use brdf::render::{Film, Scene, realtime, sources};
+use brdf::{Frame, Vector};
+use std::path::PathBuf;
+
+fn scene(material: impl Into<Material>, environment: Environment, side: u32) -> Scene {
+    Scene {
+        shape: Shape::Sphere,
+        material: material.into(),
+        camera: Camera::new(&Orbit::default(), side, side).unwrap(),
+        lights: Vec::new(),
+        environment,
+        backdrop: true,
+    }
+}
+
+fn lambert(albedo: f64) -> Stack<f64, 3> {
+    Stack::new(Model::Conserving, vec![Layer::new(Interface::diffuse([albedo; 3], 0.0))]).unwrap()
+}
+
+fn silent(_: f64) {}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("brdf-render-{name}-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+const CUBE: &str = "\
+v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1
+f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+
+fn mesh(name: &str, text: &str) -> Result<Mesh, String> {
+    let folder = folder(name);
+    let path = folder.join("mesh.obj");
+    std::fs::write(&path, text).unwrap();
+    let read = Mesh::read(&path);
+    let _ = std::fs::remove_dir_all(&folder);
+    read
+}
+
+/// Every pixel against 1 + 3σ of its own, and the rounding of 64-bit sums in 32-bit pixels.
+fn furnace_holds(name: &str, film: &Film) {
+    for (pixel, (mean, variance)) in film.mean().iter().zip(film.variance()).enumerate() {
+        for c in 0..3 {
+            let most = 1.0 + 3.0 * variance[c].sqrt() + 1e-6;
+            assert!(mean[c] <= most, "{name}: pixel {pixel}, channel {c}: {} > {most}", mean[c]);
+        }
+    }
+}
+
+#[test]
+fn no_stack_reflects_more_than_arrives() {
+    let options = Options { samples: 64, ..Options::default() };
+    for found in stack::built_in() {
+        let film = offline::render::<f64>(&scene(found.stack, Environment::furnace(), 40), options, &silent);
+        furnace_holds(found.name, &film);
+    }
+}
+
+#[test]
+fn no_material_reflects_more_than_arrives() {
+    let options = Options { samples: 32, ..Options::default() };
+    // As printed, two of the documents' materials gain energy; FORMULAS.md, errata 12 and 4.
+    for found in built_in::all().into_iter().filter(|found| !found.name.ends_with("as_printed")) {
+        let film =
+            offline::render::<f64>(&scene(found.material().unwrap(), Environment::furnace(), 32), options, &silent);
+        furnace_holds(found.name, &film);
+    }
+}
+
+#[test]
+fn a_white_base_in_a_furnace_is_white() {
+    // Drawn from the cosine, each path's weight is (1/π)·cos/(cos/π): 1 but for three roundings.
+    let alone = Options { samples: 4, strategy: Strategy::Material, ..Options::default() };
+    let furnace = scene(lambert(1.0), Environment::furnace(), 32);
+    let film = offline::render::<f64>(&furnace, alone, &silent);
+    assert!(film.mean().as_flattened().iter().all(|x| (x - 1.0).abs() < 1e-6));
+    // In both ways the paths vary, the mean does not.
+    let film = offline::render::<f64>(&furnace, Options { samples: 64, ..Options::default() }, &silent);
+    let count = film.mean().len() as f64;
+    let mean = film.mean().iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / count;
+    let error = film.variance().iter().map(|pixel| f64::from(pixel[0])).sum::<f64>().sqrt() / count;
+    assert!((mean - 1.0).abs() < 4.0 * error, "{mean} ± {error}");
+    // Of 700 pixels whose mean *is* 1 one is beyond 3σ; none is beyond 5.
+    for (mean, variance) in film.mean().iter().zip(film.variance()) {
+        assert!((mean[0] - 1.0).abs() <= 5.0 * variance[0].sqrt() + 1e-6, "{mean:?} {variance:?}");
+    }
+}
+
+#[test]
+fn realtime_furnaces_are_not_brighter_than_one() {
+    for found in stack::built_in() {
+        let film = realtime::render::<f64>(&scene(found.stack, Environment::furnace(), 32), 1, &silent);
+        // Texels are f32: a sum of their weights is 1 to 1e-6.
+        let largest = film.mean().as_flattened().iter().fold(0.0f32, |a, b| a.max(*b));
+        assert!(largest <= 1.0 + 1e-5, "{}: {largest}", found.name);
+    }
+}
+
+#[test]
+fn a_lit_lambertian_sphere_has_its_closed_form() {
+    let towards = Vector::new(0.6, -0.64, 0.48);
+    let irradiance = [2.0, 3.0, 5.0];
+    let position = Vector::new(1.5, -2.0, 1.0);
+    for (light, at) in [
+        (Light::Directional { towards, irradiance }, None),
+        (Light::Point { position, intensity: irradiance, falloff: Falloff::InverseSquare }, Some(2.0)),
+        (Light::Point { position, intensity: irradiance, falloff: Falloff::Inverse }, Some(1.0)),
+    ] {
+        let mut lit = scene(lambert(0.8), Environment::dark(), 24);
+        lit.lights = vec![light];
+        let film = realtime::render::<f64>(&lit, 1, &silent);
+        let traced = offline::render::<f64>(&lit, Options { samples: 64, ..Options::default() }, &silent);
+        let mut shown = 0;
+        for pixel in 0..24 * 24 {
+            let ray = lit.camera.ray::<f64>(pixel, [0.5, 0.5]);
+            // The nearer root of |o + t·d| = 1.
+            let along = ray.origin.dot(ray.direction);
+            let square = along * along - (ray.origin.length_squared() - 1.0);
+            let mut want = [0.0; 3];
+            if square > 0.0 {
+                shown += 1;
+                let normal = ray.at(-along - square.sqrt());
+                let (way, scale) = match at {
+                    None => (towards, 1.0),
+                    Some(power) => {
+                        let way = position - normal;
+                        let distance = way.length_squared().sqrt();
+                        (way * (1.0 / distance), distance.powf(-power))
+                    }
+                };
+                let cosine = normal.dot(way).max(0.0);
+                want = irradiance.map(|e| 0.8 / std::f64::consts::PI * e * scale * cosine);
+            }
+            let (got, mean) = (film.mean()[pixel as usize], traced.mean()[pixel as usize]);
+            for c in 0..3 {
+                // Double precision throughout, rounded to f32.
+                assert!((f64::from(got[c]) - want[c]).abs() <= 1e-6 * want[c] + 1e-9, "{light:?}: {got:?} {want:?}");
+                // A pixel of the path tracer averages over its area: within the range of the cosine there, up to √(2·width) at the rim.
+                let area = (2.0 * 5.0 * lit.camera.spread()).sqrt();
+                let most = irradiance[c] * area;
+                assert!((f64::from(mean[c]) - want[c]).abs() < most, "{light:?}: {mean:?} {want:?}");
+            }
+        }
+        assert!(shown > 250, "{shown}");
+    }
+}
+
+/// z of each pixel of one channel: the difference of two pictures over its standard deviation, of those that vary.
+fn scores(a: &Film, b: &Film, channel: usize) -> Vec<f64> {
+    let mut all = Vec::new();
+    for (((a, va), b), vb) in a.mean().iter().zip(a.variance()).zip(b.mean()).zip(b.variance()) {
+        let deviation = f64::from(va[channel] + vb[channel]).sqrt();
+        let difference = f64::from(a[channel]) - f64::from(b[channel]);
+        // Where nothing varies but rounding, as in a furnace's background, the two agree.
+        if deviation <= 1e-5 * f64::from(a[channel]).max(1e-6) {
+            assert!(difference.abs() <= 1e-4 * f64::from(a[channel]).max(1e-3), "{a:?} {b:?}");
+        } else {
+            all.push(difference / deviation);
+        }
+    }
+    all
+}
+
+/// The two pictures are of one scene: their z are normal. Each of the three bounds is exceeded by chance in one case of 1000 or less.
+fn agrees(what: &str, a: &Film, b: &Film) {
+    let mut z = scores(a, b, 1);
+    let n = z.len() as f64;
+    assert!(n >= 100.0, "{what}: {n} pixels vary");
+    let mean = z.iter().sum::<f64>() / n;
+    assert!(mean.abs() < 3.3 / n.sqrt(), "{what}: mean z {mean} over {n}");
+    // Variances are themselves estimated, of samples with long tails: z² is spread wider than χ² has it, so 1.5 times as wide.
+    let square = z.iter().map(|z| z * z).sum::<f64>() / n;
+    assert!((square - 1.0).abs() < 1.5 * 3.3 * (2.0 / n).sqrt(), "{what}: mean z² {square} over {n}");
+    // Kolmogorov–Smirnov against the normal distribution: D·√n < 1.95.
+    z.sort_by(f64::total_cmp);
+    let normal = |x: f64| 0.5 * erfc(-x / std::f64::consts::SQRT_2);
+    let far = z.iter().enumerate().map(|(i, z)| {
+        let p = normal(*z);
+        (p - i as f64 / n).abs().max((p - (i + 1) as f64 / n).abs())
+    });
+    let d = far.fold(0.0, f64::max) * n.sqrt();
+    assert!(d < 1.95, "{what}: Kolmogorov–Smirnov {d}");
+    let largest = z.iter().fold(0.0f64, |a, z| a.max(z.abs()));
+    assert!(largest < 6.0, "{what}: |z| = {largest}");
+}
+
+/// erfc by Numerical Recipes' Chebyshev form, 1.2e-7 relative: enough for a distance of 1e-3.
+fn erfc(x: f64) -> f64 {
+    let t = 1.0 / (1.0 + 0.5 * x.abs());
+    let poly = [
+        0.17087277,
+        -0.82215223,
+        1.48851587,
+        -1.13520398,
+        0.27886807,
+        -0.18628806,
+        0.09678418,
+        0.37409196,
+        1.00002368,
+        -1.26551223,
+    ];
+    let sum = poly.iter().fold(0.0, |sum, c| sum * t + c);
+    let y = t * (-x * x + sum).exp();
+    if x >= 0.0 { y } else { 2.0 - y }
+}
+
+#[test]
+fn light_is_found_the_same_in_every_way() {
+    for name in ["clear_coat_over_copper", "varnished_concrete", "iron"] {
+        let lit = scene(stack::by_name(name).unwrap(), sources::by_name("studio").unwrap(), 32);
+        let by = |strategy, seed| {
+            let options = Options { samples: 256, seed, strategy, ..Options::default() };
+            offline::render::<f64>(&lit, options, &silent)
+        };
+        let both = by(Strategy::Both, 1);
+        agrees(&format!("{name}: both, material"), &both, &by(Strategy::Material, 2));
+        // Drawn from the environment alone a narrow lobe is seldom met: most pixels are a little too dark and few far too bright, their own
+        // variances with them. Of the sum over all pixels the central limit holds.
+        let other = by(Strategy::Environment, 3);
+        let sum = |film: &Film, of: fn(&Film) -> &[[f32; 3]]| of(film).iter().map(|p| f64::from(p[1])).sum::<f64>();
+        let variance = sum(&both, Film::variance) + sum(&other, Film::variance);
+        let z = (sum(&both, Film::mean) - sum(&other, Film::mean)) / variance.sqrt();
+        assert!(z.abs() < 4.0, "{name}: both, environment: {z}");
+    }
+}
+
+#[test]
+fn single_and_double_precision_agree() {
+    let lit = scene(stack::by_name("clear_coat_over_copper").unwrap(), sources::by_name("sky").unwrap(), 32);
+    let options = |seed| Options { samples: 64, seed, ..Options::default() };
+    agrees(
+        "f32, f64",
+        &offline::render::<f32>(&lit, options(1), &silent),
+        &offline::render::<f64>(&lit, options(2), &silent),
+    );
+    let (single, double) = (realtime::render::<f32>(&lit, 1, &silent), realtime::render::<f64>(&lit, 1, &silent));
+    for (a, b) in single.mean().as_flattened().iter().zip(double.mean().as_flattened()) {
+        // A hit moves by 1e-6 or less in f32, and by 1e-6 over the cosine at the rim: lookups of a map that changes by up to 10 a texel
+        // of 1/256 follow. Pixels at the rim may hit in one precision alone.
+        assert!((a - b).abs() < 2e-2 * b.max(1.0) || (a - b).abs() > 0.2, "{a} {b}");
+    }
+}
+
+#[test]
+fn pictures_do_not_depend_on_the_threads() {
+    let mut lit = scene(stack::by_name("gold").unwrap(), sources::by_name("sky").unwrap(), 33);
+    lit.shape = Shape::Mesh(mesh("threads", CUBE).unwrap());
+    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let options = Options { samples: 5, seed: 7, ..Options::default() };
+    let [one, three] = [1, 3].map(|n| pool(n).install(|| offline::render::<f64>(&lit, options, &silent)));
+    assert_eq!(one, three);
+    let [one, three] = [1, 3].map(|n| pool(n).install(|| realtime::render::<f64>(&lit, 2, &silent)));
+    assert_eq!(one, three);
+    let other = offline::render::<f64>(&lit, Options { seed: 8, ..options }, &silent);
+    assert_ne!(offline::render::<f64>(&lit, options, &silent), other);
+}
+
+#[test]
+fn a_mesh_is_met_where_its_triangles_are() {
+    let cube = Shape::Mesh(mesh("cube", CUBE).unwrap());
+    // The cube's corners are on the unit sphere: its faces at 1/√3.
+    let face = 1.0 / 3f64.sqrt();
+    for azimuth in 0..48 {
+        let eye = Vector::from_angles(1.2, f64::from(azimuth) * 0.13) * 4.0;
+        for target in 0..25 {
+            let target = Vector::new(0.2 * f64::from(target % 5) - 0.4, 0.2 * f64::from(target / 5) - 0.4, 0.1);
+            let direction = (target - eye).normalized();
+            // The slabs of the box.
+            let walls = [(eye.x, direction.x), (eye.y, direction.y), (eye.z, direction.z)];
+            let enters = walls.map(|(o, d)| ((-face - o) / d).min((face - o) / d));
+            let want = enters.into_iter().fold(f64::MIN, f64::max);
+            let hit = cube.hit(&brdf::render::shape::Ray { origin: eye, direction }, f64::MAX).expect("met");
+            // Corners are f32.
+            assert!((hit.distance - want).abs() < 1e-5, "{} {want}", hit.distance);
+            let frame: Frame<f64> = hit.frame;
+            assert!(frame.normal.dot(direction) < 0.0 && hit.occlusion < 0.02, "{hit:?}");
+        }
+    }
+}
+
+#[test]
+fn an_inner_corner_is_occluded() {
+    // Two squares at a right angle, each of which hides half the other's hemisphere near the edge.
+    let corner = "v 0 0 0\nv 9 0 0\nv 9 0 9\nv 0 0 9\nv 0 9 0\nv 0 9 9\nf 1 4 3 2\nf 1 5 6 4\n";
+    let mesh = mesh("corner", corner).unwrap();
+    let (mut near, mut distant) = (0.0f32, 1.0f32);
+    for vertex in mesh.triangles().iter().flatten() {
+        (near, distant) = (near.max(vertex.occlusion), distant.min(vertex.occlusion));
+    }
+    // At the end of the edge a quarter of the hemisphere is hidden; 128 rays: ± 4·√(¼·¾/128).
+    assert!((near - 0.25).abs() < 0.16 && distant < 0.1, "{near} {distant}");
+}
+
+#[test]
+fn broken_meshes_are_refused() {
+    for (text, said) in [
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\n", "no triangles"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n", ""),
+        ("v 0 0 0\nv NaN 0 0\nv 0 1 0\nf 1 2 3\n", "finite"),
+        ("v 0 0 0\nv 1 0 x\nf 1 2 3\n", ""),
+        ("v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n", "no triangles"),
+        ("", "no triangles"),
+    ] {
+        let error = mesh("broken", text).expect_err(text);
+        assert!(error.contains("mesh.obj: ") && error.contains(said) && error.lines().count() == 1, "{error}");
+    }
+    let error = Mesh::read(&folder("absent").join("absent.obj")).expect_err("absent");
+    assert!(error.contains("absent.obj: "), "{error}");
+}
+
+#[test]
+fn broken_environments_are_refused() {
+    let folder = folder("environments");
+    let save = |name: &str, width: u32, height: u32, value: f32| {
+        let path = folder.join(name);
+        let mut map = image::Rgb32FImage::from_pixel(width, height, image::Rgb([1.0; 3]));
+        map.get_pixel_mut(1, 0).0[2] = value;
+        image::DynamicImage::ImageRgb32F(map).save(&path).unwrap();
+        path
+    };
+    for (name, value) in [("nan.exr", f32::NAN), ("inf.exr", f32::INFINITY), ("negative.exr", -1.0)] {
+        let error = Environment::read(&save(name, 8, 4, value)).expect_err(name);
+        assert!(error.contains(&format!("{name}: texel (1, 0): blue")) && error.lines().count() == 1, "{error}");
+    }
+    let error = Environment::read(&save("square.exr", 4, 4, 1.0)).expect_err("square");
+    assert!(error.contains("square.exr: 4×4 texels"), "{error}");
+    let text = folder.join("text.hdr");
+    std::fs::write(&text, "no picture").unwrap();
+    assert!(Environment::read(&text).expect_err("text").contains("text.hdr: "));
+    assert!(Environment::read(&folder.join("absent.hdr")).expect_err("absent").contains("absent.hdr: "));
+    for name in ["good.exr", "good.hdr"] {
+        assert!(Environment::read(&save(name, 8, 4, 2.0)).expect(name).shines());
+    }
+    let _ = std::fs::remove_dir_all(&folder);
+}
+
+#[cfg(feature = "gpu")]
+mod adapters;
+
+#[cfg(feature = "gpu")]
+mod on_a_gpu {
+    use super::*;
+    use crate::adapters::adapters_for_tests;
+    use brdf::render::gpu;
+
+    fn scenes() -> Vec<(String, Scene)> {
+        let stack = |name: &str| Material::from(stack::by_name(name).unwrap());
+        let built_in = |name: &str| built_in::by_name(name).unwrap().material().unwrap();
+        let sky = || sources::by_name("sky").unwrap();
+        let studio = || sources::by_name("studio").unwrap();
+        let lights = vec!["directional:1,-1,1,2".parse().unwrap(), "point:-2,-2,2,6,5,4".parse().unwrap()];
+        let mut all = Vec::new();
+        let mut add = |name: &str, shape, material: Material, environment| {
+            let lights = lights.clone();
+            all.push((name.to_owned(), Scene { shape, lights, ..scene(material, environment, 24) }));
+        };
+        add("sphere, copper", Shape::Sphere, stack("clear_coat_over_copper"), studio());
+        add("torus, concrete", Shape::Torus(Torus::new(0.4).unwrap()), stack("varnished_concrete"), sky());
+        add("plane, iron", Shape::Plane, stack("iron"), studio());
+        add("cube, paint", Shape::Mesh(mesh("gpu", CUBE).unwrap()), stack("open_pbr_carpaint"), sky());
+        add("sphere, rust", Shape::Sphere, built_in("rusty_iron"), studio());
+        add("torus, patina", Shape::Torus(Torus::new(0.3).unwrap()), built_in("patina"), studio());
+        all
+    }
+
+    #[test]
+    fn paths_agree() {
+        for gpu in adapters_for_tests() {
+            for (name, scene) in scenes() {
+                let options = |seed| Options { samples: 64, seed, ..Options::default() };
+                let want = offline::render::<f64>(&scene, options(1), &silent);
+                let got =
+                    gpu::offline(&gpu, &scene, options(2), &silent).unwrap_or_else(|error| panic!("{name}: {error}"));
+                agrees(&format!("{}: {name}", gpu.info()), &got, &want);
+            }
+        }
+    }
+
+    #[test]
+    fn fragments_agree() {
+        for gpu in adapters_for_tests() {
+            for (name, scene) in scenes() {
+                let want = realtime::render::<f32>(&scene, 1, &silent);
+                let got = gpu::realtime(&gpu, &scene, 1, &silent).unwrap_or_else(|error| panic!("{name}: {error}"));
+                for (pixel, (a, b)) in got.mean().iter().zip(want.mean()).enumerate() {
+                    for c in 0..3 {
+                        // The lookup of a map carries the rounding of the direction, 2 ULP of 1, times 256 texels to a
+                        // unit and the contrast between two of them, at most the largest radiance, 12; the lobes of lights 1/α² of it.
+                        let tolerance = 2e-3 * b[c].max(0.1);
+                        assert!((a[c] - b[c]).abs() < tolerance, "{}: {name}, pixel {pixel}: {a:?} {b:?}", gpu.info());
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_model_without_a_twin_is_refused() {
+        let coupled = stack::by_name("clear_coat_over_copper").unwrap().with_model(Model::Coupled);
+        for gpu in adapters_for_tests() {
+            let refused =
+                gpu::offline(&gpu, &scene(coupled.clone(), Environment::furnace(), 4), Options::default(), &silent);
+            let error = refused.expect_err("no twin").to_string();
+            assert!(error.contains("coupled") && error.lines().count() == 1, "{error}");
+        }
+    }
+}

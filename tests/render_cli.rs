@@ -1,0 +1,107 @@
+//! `brdf render` as a user meets it.
+#![cfg(feature = "cli")]
+
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A folder of this test run, empty.
+fn folder(name: &str) -> PathBuf {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("render_cli").join(name);
+    let _ = fs::remove_dir_all(&path);
+    fs::create_dir_all(&path).expect("a writable folder");
+    path
+}
+
+fn render(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_brdf"))
+        .args(["render", "--size", "16x12"])
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .expect("brdf runs")
+}
+
+fn report(output: &Output) -> Value {
+    assert!(output.status.success(), "{output:?}");
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {output:?}"))
+}
+
+#[test]
+fn a_picture_is_written() {
+    let folder = folder("written");
+    for (out, mode) in [("a.png", "realtime"), ("a.exr", "offline")] {
+        let output = render(&folder, &["copper", "--mode", mode, "--samples", "4", "--out", out, "--json"]);
+        // A pipe shows no progress.
+        assert!(output.stderr.is_empty(), "{output:?}");
+        let report = report(&output);
+        assert_eq!((&report["width"], &report["height"], &report["samples"]), (&16.into(), &12.into(), &4.into()));
+        let picture = image::open(folder.join(out)).expect("a picture");
+        assert_eq!((picture.width(), picture.height()), (16, 12));
+    }
+    let shown = render(&folder, &["car_paint", "--light", "directional:1,-1,1,50", "--shape", "torus:0.3"]);
+    let text = String::from_utf8(shown.stdout).expect("UTF-8");
+    assert!(text.starts_with("render.png: 16×12, 4 samples a pixel on cpu, ") && text.contains("clipped"), "{text}");
+}
+
+#[test]
+fn the_same_seed_is_the_same_picture() {
+    let folder = folder("seed");
+    for (out, seed) in [("a.exr", "3"), ("b.exr", "3"), ("c.exr", "4")] {
+        let output = render(&folder, &["gold", "--mode", "offline", "--samples", "2", "--seed", seed, "--out", out]);
+        assert!(output.status.success(), "{output:?}");
+    }
+    let [a, b, c] = ["a.exr", "b.exr", "c.exr"].map(|name| fs::read(folder.join(name)).expect("a picture"));
+    assert!(a == b && a != c);
+}
+
+#[test]
+fn a_stack_file_takes_a_model() {
+    let folder = folder("stack");
+    let stack = "[[layer]]\ninterface = { dielectric = { n = 1.5 }, alpha = 0.1 }\n\
+                 [[layer]]\ninterface = { diffuse = { albedo = 0.5 } }\n";
+    fs::write(folder.join("stack.toml"), stack).expect("a file");
+    let mean = |model: &str| {
+        let arguments = ["stack.toml", "--model", model, "--environment", "furnace", "--mode", "offline", "--json"];
+        report(&render(&folder, &arguments))["mean"][0].as_f64().expect("a number")
+    };
+    let (less, more) = (mean("conserving"), mean("coupled"));
+    // The light that bounces under the coat: a third of what the base reflects.
+    assert!(less < more && more < 1.0, "{less} {more}");
+}
+
+#[test]
+fn bad_input_is_one_line_and_nothing_is_written() {
+    let folder = folder("refused");
+    fs::write(folder.join("empty.obj"), "v 0 0 0\n").expect("a file");
+    fs::write(folder.join("text.hdr"), "no picture").expect("a file");
+    fs::write(folder.join("bad.toml"), "[[layer]]\ninterface = { dielectric = { n = -1 }, alpha = 0.1 }\n").expect("a file");
+    for (arguments, said) in [
+        (&["copper", "--shape", "cube"][..], "--shape cube"),
+        (&["copper", "--shape", "torus:2"], "[0.01, 0.99]"),
+        (&["copper", "--shape", "empty.obj"], "empty.obj: no triangles"),
+        (&["copper", "--shape", "absent.obj"], "absent.obj: "),
+        (&["copper", "--environment", "text.hdr"], "text.hdr: "),
+        (&["copper", "--environment", "cellar"], "--environment cellar"),
+        (&["copper", "--out", "a.bmp"], "a.bmp: a picture is a .png or an .exr file"),
+        (&["copper", "--set", "alpha=0.1"], "--set alpha"),
+        (&["car_paint", "--set", "wheels=4"], "wheels"),
+        (&["car_paint", "--model", "elek"], "--model elek"),
+        (&["copper", "--elevation", "90"], "the elevation is 90"),
+        (&["copper", "--field", "0"], "the field of view is 0"),
+        (&["unobtainium"], "unobtainium is neither"),
+        (&["bad.toml"], "bad.toml: "),
+        (&["copper", "--light", "torch:1,2,3"], "torch"),
+        (&["copper", "--size", "0x4"], "WIDTHxHEIGHT"),
+        (&["copper", "--gpu", "--adapter", "no such adapter"], "no such adapter"),
+    ] {
+        let output = render(&folder, arguments);
+        let error = String::from_utf8(output.stderr.clone()).expect("UTF-8");
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+        assert!(error.contains(said), "{arguments:?}: {error}");
+        // What clap refuses comes with its usage.
+        assert!(error.starts_with("error: ") || error.lines().count() == 1, "{arguments:?}: {error}");
+        assert!(!folder.join("render.png").exists(), "{arguments:?}");
+    }
+}
