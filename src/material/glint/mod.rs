@@ -44,7 +44,8 @@
 //! a single pixel their abstract says nothing. What they have and this has not: flakes that stay while the level of detail changes, a footprint of two axes,
 //! and directions drawn from the grains themselves; here they are drawn from the lobe, and weigh up to g.
 //!
-//! COST
+//! In f32 on one core (release, `glint::tests::it_costs_this_much`): 60 to 70 ns where no grain is left, 160 to 175 ns for footprints
+//! within one spacing, between them 420 to 570 (J = 3), 490 to 640 (J = 5) and up to 970 ns (J = 8).
 
 mod deal;
 
