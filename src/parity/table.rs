@@ -562,7 +562,7 @@ pub fn twins() -> Vec<Twin> {
             |a| coordinates(sampling::uniform_hemisphere([a[0], a[1]]))),
         // Numbers without rounding: the interval is a point.
         twin!(random::random / 3, |d| flat![d.word(), d.word(), d.word()],
-            |a| crate::random::random(a[0].to_f64() as u32, a[1].to_f64() as u32, a[2].to_f64() as u32)),
+            |a| random::random(a[0].to_f64() as u32, a[1].to_f64() as u32, a[2].to_f64() as u32)),
         twin!(walk::visible_part / 2, |d| flat![d.direction(), d.half_vector(0.5)], |a| [walk::visible_part(at(a, 0), at(a, 3))]),
         twin!(walk::visible_normal / 3, |d| flat![d.direction(), d.width(), [d.unit(), d.unit(), d.unit()]],
             |a| coordinates(walk::visible_normal(at(a, 0), a[3], [a[4], a[5], a[6]]))),
