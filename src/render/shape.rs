@@ -138,6 +138,15 @@ impl Shape {
         }
     }
 
+    /// The radius of the smallest sphere around the origin that holds it.
+    pub fn radius(&self) -> f64 {
+        match self {
+            Shape::Sphere | Shape::Mesh(_) => 1.0,
+            Shape::Torus(torus) => 1.0 + torus.minor(),
+            Shape::Plane => core::f64::consts::SQRT_2,
+        }
+    }
+
     /// Whether rays that leave the shape never meet it again.
     pub fn is_convex(&self) -> bool {
         matches!(self, Shape::Sphere | Shape::Plane)
