@@ -4,6 +4,7 @@ mod bench;
 mod check;
 mod eval;
 mod failure;
+mod gallery;
 mod list;
 mod material;
 mod merge;

@@ -1,6 +1,7 @@
 //! `brdf render`: a picture of a material.
 
 use crate::failure::Failure;
+use crate::gallery;
 use crate::material::{Change, load, model};
 use brdf::gpu::Gpu;
 use brdf::layered::Model;
@@ -24,7 +25,14 @@ use std::time::Instant;
 #[derive(Args)]
 pub(crate) struct Options {
     /// A built-in material, a material file or a stack file.
+    #[arg(required_unless_present = "gallery", default_value = "", hide_default_value = true)]
     material: String,
+    /// Write the documents' figures into this folder instead.
+    #[arg(long, value_name = "DIR", conflicts_with = "material")]
+    gallery: Option<PathBuf>,
+    /// Of the gallery only figures whose name contains this.
+    #[arg(long, requires = "gallery")]
+    only: Option<String>,
     /// sphere, torus, torus:MINOR (the radius of the tube, 0.4 by default), plane, or an OBJ file.
     #[arg(long, default_value = "sphere")]
     shape: String,
@@ -114,6 +122,9 @@ fn exposure(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
+    if let Some(folder) = &options.gallery {
+        return gallery::run(folder, options.only.as_deref(), options.json);
+    }
     // What cannot be written is refused before anything is computed.
     if !matches!(options.out.extension().and_then(|e| e.to_str()), Some("png" | "exr")) {
         return Err(format!("--out {}: a picture is a .png or an .exr file", options.out.display()).into());
