@@ -170,8 +170,9 @@ impl Environment {
     /// The radiance from a direction, and the density in sr⁻¹ with which [`Environment::sample`] draws it.
     #[inline]
     pub fn look<R: Real>(&self, w: Vector<R>) -> ([R; 3], R) {
-        let (radiance, fourth) = self.map.look(w);
-        (radiance, fourth * cube(w))
+        let (point, distance) = octahedral::square(w);
+        let (radiance, fourth) = self.map.at(point);
+        (radiance, fourth * (distance * distance * distance))
     }
 
     /// A direction drawn about in proportion to the radiance, from four numbers in [0, 1); its radiance and density as [`Environment::look`] has them.
@@ -186,17 +187,12 @@ impl Environment {
         let side = self.map.side().min(SQUARES);
         let (column, row) = (R::from_f64((chosen % side) as f64), R::from_f64((chosen / side) as f64));
         let scale = R::TWO / R::from_f64(side as f64);
-        let (w, _) = octahedral::direction([(column + u[2]) * scale - R::ONE, (row + u[3]) * scale - R::ONE]);
-        let (radiance, density) = self.look(w);
+        let point = [(column + u[2]) * scale - R::ONE, (row + u[3]) * scale - R::ONE];
+        let (w, cube) = octahedral::direction(point);
+        let (radiance, fourth) = self.map.at(point);
+        let density = fourth * cube;
         density.gt(R::ZERO).any().then_some((w, radiance, density))
     }
-}
-
-/// The cube of the length of a unit direction's point on the octahedron: 1/(|x|+|y|+|z|)³.
-#[inline]
-fn cube<R: Real>(w: Vector<R>) -> R {
-    let inverse = R::ONE / (w.x.abs() + w.y.abs() + w.z.abs());
-    inverse * inverse * inverse
 }
 
 /// The radiance of an equirectangular map at a direction, bilinear.

@@ -8,15 +8,15 @@
 use crate::frame::Vector;
 use crate::real::Real;
 
-/// The point of [−1, 1]² that a direction of any length > 0 falls on.
+/// The point of [−1, 1]² that a direction of any length > 0 falls on, and 1/(|x|+|y|+|z|): a unit direction's distance on the octahedron.
 #[inline]
-pub fn square<R: Real>(w: Vector<R>) -> [R; 2] {
+pub fn square<R: Real>(w: Vector<R>) -> ([R; 2], R) {
     let scale = R::ONE / (w.x.abs() + w.y.abs() + w.z.abs());
     let (x, y) = (w.x * scale, w.y * scale);
     let below = w.z.lt(R::ZERO);
     let sign = |v: R| R::select(v.lt(R::ZERO), -R::ONE, R::ONE);
     let fold = |v: R, other: R| R::select(below, (R::ONE - other.abs()) * sign(v), v);
-    [fold(x, y), fold(y, x)]
+    ([fold(x, y), fold(y, x)], scale)
 }
 
 /// The direction of a point of [−1, 1]², and the cube of its distance on the octahedron: dω = dx dy / that.
@@ -117,7 +117,12 @@ impl Map {
     /// Texels are blended in f32, whatever the direction's numbers: they have no more digits.
     #[inline]
     pub fn look<R: Real>(&self, w: Vector<R>) -> ([R; 3], R) {
-        let [x, y] = square(w);
+        self.at(square(w).0)
+    }
+
+    /// [`Map::look`] at the point of [−1, 1]² that the direction falls on.
+    #[inline]
+    pub fn at<R: Real>(&self, [x, y]: [R; 2]) -> ([R; 3], R) {
         let size = self.side as f32;
         // A direction that is not a number falls into the first texel.
         let place = |v: R| (((v + R::ONE).to_f64() as f32) * (0.5 * size)).max(0.0).min(size) + 0.5;
@@ -162,7 +167,7 @@ mod tests {
     #[test]
     fn the_square_and_back_is_the_direction() {
         for w in directions() {
-            let (back, _) = direction(square(w));
+            let (back, _) = direction(square(w).0);
             assert!((back - w).length_squared() < 1e-28, "{w:?} {back:?}");
         }
     }

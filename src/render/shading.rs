@@ -57,7 +57,7 @@ pub enum Local<'a, R> {
 
 impl<R: Number> Local<'_, R> {
     /// The material seen from a local direction.
-    #[inline]
+    #[inline(always)]
     pub fn facing(&self, wo: Vector<R>) -> Facing<'_, R> {
         match self {
             Local::Whole(plan, views) => Facing::Whole(plan, views.facing(wo), wo),

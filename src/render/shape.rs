@@ -138,6 +138,15 @@ impl Shape {
         }
     }
 
+    /// The radius of the smallest sphere around the origin that holds it.
+    pub fn radius(&self) -> f64 {
+        match self {
+            Shape::Sphere | Shape::Mesh(_) => 1.0,
+            Shape::Torus(torus) => 1.0 + torus.minor(),
+            Shape::Plane => core::f64::consts::SQRT_2,
+        }
+    }
+
     /// Whether rays that leave the shape never meet it again.
     pub fn is_convex(&self) -> bool {
         matches!(self, Shape::Sphere | Shape::Plane)
@@ -175,14 +184,22 @@ fn sphere<R: Number>(ray: &Ray<R>, within: R) -> Option<Hit<R>> {
         return None;
     }
     let normal = ray.at(distance).normalized();
-    let around = Vector::new(-normal.y, normal.x, R::ZERO);
+    let squared = normal.sin_squared();
+    // At the poles there is no direction around.
+    let (frame, around) = if (R::EPSILON * R::EPSILON).lt(squared) {
+        let inverse = R::ONE / squared.sqrt();
+        let tangent = Vector::new(-normal.y * inverse, normal.x * inverse, R::ZERO);
+        (Frame { tangent, bitangent: normal.cross(tangent), normal }, inverse)
+    } else {
+        (Frame::from_normal(normal), R::ZERO)
+    };
     Some(Hit {
         distance,
         position: normal,
         geometric: normal,
-        frame: Frame::from_normal_and_tangent(normal, around),
+        frame,
         uv: [R::ZERO; 2],
-        uv_per_length: [around_per_length(around.length_squared().sqrt()), R::FRAC_1_PI],
+        uv_per_length: [R::HALF * R::FRAC_1_PI * around, R::FRAC_1_PI],
         occlusion: R::ZERO,
     })
 }

@@ -169,7 +169,7 @@ impl<R: Real<Mask = bool>> Views<R> {
     }
 
     /// The view from a local unit direction; without lobes where it is at or below the horizon.
-    #[inline]
+    #[inline(always)]
     pub fn facing(&self, wo: Vector<R>) -> View<R> {
         let mut view = View::empty(wo, self.even);
         if !R::ZERO.lt(wo.z) {

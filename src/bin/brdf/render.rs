@@ -72,9 +72,9 @@ pub(crate) struct Options {
     /// The camera's elevation in degrees.
     #[arg(long, default_value_t = Orbit::default().elevation, allow_negative_numbers = true)]
     elevation: f64,
-    /// The camera's distance from the origin; shapes have about the size of a unit sphere.
-    #[arg(long, default_value_t = Orbit::default().distance)]
-    distance: f64,
+    /// The camera's distance from the origin; five times the shape's radius by default, which fills nine tenths of the height.
+    #[arg(long)]
+    distance: Option<f64>,
     /// The vertical field of view in degrees.
     #[arg(long, default_value_t = Orbit::default().field)]
     field: f64,
@@ -200,10 +200,12 @@ fn picture(
 
 fn scene(options: &Options) -> Result<Scene, Failure> {
     let (width, height) = options.size;
-    let Options { azimuth, elevation, distance, field, .. } = *options;
+    let Options { azimuth, elevation, field, .. } = *options;
+    let shape = shape(&options.shape)?;
+    let distance = options.distance.unwrap_or(Orbit::default().distance * shape.radius());
     let camera = Camera::new(&Orbit { azimuth, elevation, distance, field }, width, height)?;
     Ok(Scene {
-        shape: shape(&options.shape)?,
+        shape,
         material: material(options)?,
         camera,
         lights: options.light.clone(),
