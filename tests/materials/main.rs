@@ -5,6 +5,8 @@
 #[path = "../adapters/mod.rs"]
 mod adapters;
 mod energy;
+#[cfg(feature = "check")]
+mod plausible;
 mod twins;
 
 use brdf::Vector;

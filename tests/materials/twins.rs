@@ -97,7 +97,8 @@ fn the_text_means_what_the_rust_says() {
         let source = source(&material) + if material.images().is_empty() { "" } else { TEXELS };
         let shader = Shader::in_double(&source).unwrap_or_else(|error| panic!("{name}: {error}\n{source}"));
         let known = KNOWN.map(|(name, method)| (wgsl::mangled("real", name), method));
-        let program = Program::<f64>::with_known(&shader, "probe", &known).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let program =
+            Program::<f64>::with_known(&shader, "probe", &known).unwrap_or_else(|error| panic!("{name}: {error}"));
         let rows: Vec<_> = (0..ROWS).flat_map(row).map(|x| Cell::Real(f64::from(x))).collect();
         let mut buffers = Buffers::new().with(0, 3, texels(&material));
         let found = program.run(&rows, &mut buffers).unwrap_or_else(|error| panic!("{name}: {error}"));

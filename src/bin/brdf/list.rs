@@ -3,7 +3,8 @@
 use crate::failure::Failure;
 use crate::term::TERMS;
 use brdf::layered::Model;
-use brdf::material::{metal::METALS, stack::built_in};
+use brdf::material::built_in::{self, Named};
+use brdf::material::{metal::METALS, stack};
 use clap::Args;
 use serde_json::{Value, json};
 use std::io::{self, Write};
@@ -32,7 +33,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
             })
             .collect();
         let materials: Vec<Value> =
-            built_in().iter().map(|material| json!({"name": material.name, "about": material.about})).collect();
+            stack::built_in().iter().map(|material| json!({"name": material.name, "about": material.about})).collect();
         let metals: Vec<Value> = METALS
             .iter()
             .map(|metal| {
@@ -45,6 +46,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
         let listing = json!({
             "terms": terms,
             "materials": materials,
+            "surfaces": built_in::all().iter_mut().map(surface).collect::<Vec<_>>(),
             "models": Model::ALL.map(Model::name),
             "metals": metals,
             "adapters": adapters.iter().map(ToString::to_string).collect::<Vec<_>>(),
@@ -59,8 +61,13 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
     }
     writeln!(out, "  {:32} stack (a name, a file or inline), model, wi, wo", "stack")?;
     writeln!(out, "\nMATERIALS (brdf check, brdf eval)")?;
-    for material in built_in() {
+    for material in stack::built_in() {
         writeln!(out, "  {:32} {}", material.name, material.about)?;
+    }
+    writeln!(out, "\nMATERIALS THAT VARY (brdf render, brdf bench materials)")?;
+    for named in &mut built_in::all() {
+        let names: Vec<_> = named.parameters().iter().map(|parameter| parameter.name).collect();
+        writeln!(out, "  {:32} {}; --set {}", named.name, named.about, names.join(", "))?;
     }
     writeln!(out, "\nMODELS (of a stack)\n  {}", Model::ALL.map(Model::name).join(", "))?;
     writeln!(out, "\nMETALS (of a stack file)")?;
@@ -76,4 +83,16 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
         writeln!(out, "  {adapter}")?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// A built-in material with the numbers that may be changed.
+fn surface(named: &mut Named) -> Value {
+    let parameters: Vec<Value> = named
+        .parameters()
+        .iter()
+        .map(|parameter| {
+            json!({"name": parameter.name, "value": *parameter.value, "range": [parameter.range.start(), parameter.range.end()]})
+        })
+        .collect();
+    json!({"name": named.name, "about": named.about, "parameters": parameters})
 }

@@ -5,6 +5,7 @@ use crate::gallery;
 use crate::material::{Change, load, model};
 use brdf::gpu::Gpu;
 use brdf::layered::Model;
+use brdf::layered::description::{Node, Value};
 use brdf::material::{Material, built_in};
 use brdf::render::camera::{Camera, Orbit};
 use brdf::render::environment::Environment;
@@ -12,7 +13,7 @@ use brdf::render::light::Light;
 use brdf::render::mesh::Mesh;
 use brdf::render::shape::Shape;
 use brdf::render::torus::Torus;
-use brdf::render::{Film, Scene, gpu, offline, realtime, sources};
+use brdf::render::{Film, Scene, gpu, offline, realtime, sources, textures};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
@@ -255,6 +256,21 @@ fn material(options: &Options) -> Result<Material, Failure> {
     if let Some((key, _)) = options.set.first() {
         return Err(format!("--set {key}: only the built-in materials of `brdf list` have numbers to set").into());
     }
+    if is_material_file(Path::new(name)) {
+        if let Some(model) = options.model {
+            return Err(format!("--model {}: {name} is no stack, and has the model that it says", model.name()).into());
+        }
+        return Ok(textures::read_material(Path::new(name))?.material);
+    }
     let change = Change { model: options.model, ..Change::default() };
     Ok(load(name, change)?.stack.three().into())
+}
+
+/// Whether a file describes a material and not a stack: it has parts, or names a built-in one.
+fn is_material_file(path: &Path) -> bool {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    match Node::from_toml(&text).map(|node| node.value) {
+        Ok(Value::Table(entries)) => entries.iter().any(|(key, _)| matches!(key.as_str(), "part" | "material")),
+        _ => false,
+    }
 }

@@ -52,9 +52,9 @@ impl WornMetal {
         let lines = |seed: u32, frequency: [f64; 3]| {
             let noise = Noise { frequency, ..Noise::new(self.seed.wrapping_add(seed), 1.0) };
             // A line is where noise crosses 0: the top of 1 − |noise|, the wider the more of them there are.
-            Scalar::Ridged(noise).levels(1.0 - 0.15 * self.amount, 1.0)
+            Scalar::Ridged(noise).levels(1.0 - 0.12 * self.amount, 1.0)
         };
-        let both = lines(0, [2.0, 9.0, 14.0]).plus(lines(1, [11.0, 3.0, 2.0]));
+        let both = lines(0, [0.6, 13.0, 9.0]).plus(lines(1, [16.0, 0.8, 6.0]));
         both.levels(0.0, 1.0)
     }
 }
