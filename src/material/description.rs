@@ -249,6 +249,6 @@ const FINITE: RangeInclusive<f64> = -LARGEST..=LARGEST;
 /// Those that are not negative.
 const NOT_NEGATIVE: RangeInclusive<f64> = 0.0..=LARGEST;
 /// Those that are above 0.
-const POSITIVE: RangeInclusive<f64> = LARGEST.recip()..=LARGEST;
+const POSITIVE: RangeInclusive<f64> = 1e-30..=LARGEST;
 /// Shares and reflectances.
 const SHARE: RangeInclusive<f64> = 0.0..=1.0;
