@@ -17,7 +17,7 @@
 //! Whatever is not understood is refused, with the line, the key and what is allowed there. The ranges are those of
 //! [`Stack::new`], which is asked.
 
-mod tree;
+pub(crate) mod tree;
 
 use super::error::Problem;
 use super::{Interface, Layer, Medium, Model, Stack, StackError, Widths};

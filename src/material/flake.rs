@@ -43,10 +43,13 @@ fn flake_normal_wide<W: Real>(normal: Vector<W>, distance: W, texel: Vector<W>) 
 mod tests {
     use super::*;
 
+    /// N, the distance, the texel and the result.
+    type Row = ([f64; 3], f64, [f64; 3], [f64; 3]);
+
     /// `flake_normal` of the project's reference values (terms.json): N, distance, texel and result.
     #[test]
     fn it_has_its_published_values() {
-        let rows: [([f64; 3], f64, [f64; 3], [f64; 3]); 7] = [
+        let rows: [Row; 7] = [
             ([0.0, 0.0, 1.0], 0.0, [0.1, 0.9, 0.6], [-0.3233808333817773, 0.3233808333817773, 0.8892972917998876]),
             ([0.0, 0.0, 1.0], 0.5, [0.7, 0.4, 0.9], [0.14106912317171963, -0.07053456158585981, 0.9874838622020375]),
             ([0.0, 0.0, 1.0], 1.0, [0.5, 0.5, 1.0], [0.0, 0.0, 1.0]),

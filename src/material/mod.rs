@@ -13,7 +13,7 @@
 //!
 //! # Material files
 //!
-//! A material as an artist writes it down, in TOML (`description::read`, feature `toml`). Either a built-in one with its numbers changed,
+//! A material as an artist writes it down, in TOML (`description::read_file`, feature `toml`). Either a built-in one with its numbers changed,
 //!
 //! ```toml
 //! material = "patina"
@@ -36,7 +36,7 @@
 //! | key | value |
 //! |---|---|
 //! | a number (*S*) | `0.5`; `"occlusion"` and the others of [`field::Property::ALL`]; `{ noise = { seed, amplitude, frequency, octaves, gain, lacunarity } }` (frequency a number or three); `{ ridged = … }`; `{ image = "file", channel = "r", repeat = 2 }` (repeat a number or two); `{ of = S, scale, offset }`; `{ sum = [S, S, …] }`; `{ product = [S, S, …] }`; `{ mix = [S, S], by = S }`; `{ levels = [black, white], of = S }`; `{ above = at, softness, of = S }`; `{ extent, transition, of = S }` |
-//! | a colour (*C*) | a number; `[r, g, b]`; `{ grey = S }`; `{ ramp = [[r, g, b], …], by = S }`, with `at = [0.0, …, 1.0]` where stops are not even; `{ bands = [[r, g, b], …], softness, by = S }`; `{ image = "file", srgb = true, repeat }`; `{ colour = C, scale = S }`; `{ mix = [C, C], by = S }`; `{ film = { absorption, scattering, thickness = S, ground = C } }` |
+//! | a colour (*C*) | a number; `[r, g, b]`; `{ grey = S }`; `{ ramp = [[r, g, b], …], by = S }`, with `at = [0.0, …, 1.0]` where stops are not even; `{ bands = [[r, g, b], …], softness, by = S }`; `{ image = "file", srgb, repeat }` (srgb = true where absent); `{ colour = C, scale = S }`; `{ mix = [C, C], by = S }`; `{ film = { absorption, scattering, thickness = S, ground = C } }` |
 //! | part | `cover = S`; `reflectivity = C`; `relief = { height = S, step }` or `{ normals = { image = … }, encoding = "rgb"` or `"alpha_green", strength }`; and `layer`, `brushed` or `stack` |
 //! | part with layers | `layer = [ … ]`, from the top; `model`, `widths`, `returns = true`, `scatter = C` |
 //! | layer | `interface = { dielectric = { n = C }, alpha = S }`, `{ conductor = { metal = "copper" }, alpha = S }` (or `n = C, k = C`), `{ diffuse = { albedo = C, sigma = S } }`; `medium = { sigma = C, thickness = S }`; `flakes = { spacing, resolution, seed }` or `{ normals = { image = "file", repeat = 1000 } }` |
@@ -48,6 +48,8 @@
 pub mod brushed;
 #[cfg(feature = "std")]
 pub mod built_in;
+#[cfg(feature = "toml")]
+pub mod description;
 #[cfg(feature = "std")]
 pub mod field;
 #[cfg(feature = "std")]

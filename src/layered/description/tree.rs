@@ -81,9 +81,9 @@ fn dismantle(table: DeTable<'_>) {
     }
 }
 
-/// The grammar needs seven levels. The parser bounds tables within tables and keys within keys, each to 80, but not
+/// A stack needs seven levels, the fields of a material as many as are nested. The parser bounds tables within tables and keys within keys, each to 80, but not
 /// their product, which is deep enough to overflow the stack.
-const DEEPEST: usize = 16;
+pub(crate) const DEEPEST: usize = 32;
 
 fn table_value(table: &DeTable<'_>, line: &impl Fn(usize) -> usize, depth: usize) -> Value {
     if depth > DEEPEST {
@@ -126,14 +126,14 @@ fn read(number: Option<f64>) -> Value {
 
 /// Where a value stands.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Place {
-    pub(super) path: String,
-    pub(super) line: Option<usize>,
+pub(crate) struct Place {
+    pub(crate) path: String,
+    pub(crate) line: Option<usize>,
 }
 
 impl Place {
     /// The place of a key of the table at this place.
-    pub(super) fn key(&self, key: &str, line: Option<usize>) -> Self {
+    pub(crate) fn key(&self, key: &str, line: Option<usize>) -> Self {
         let bare = !key.is_empty() && key.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-');
         let key = if bare { key.to_owned() } else { format!("{key:?}") };
         let path = if self.path.is_empty() { key } else { format!("{}.{key}", self.path) };
@@ -141,11 +141,11 @@ impl Place {
     }
 
     /// The place of an item of the list at this place.
-    pub(super) fn item(&self, index: usize, line: Option<usize>) -> Self {
+    pub(crate) fn item(&self, index: usize, line: Option<usize>) -> Self {
         Place { path: format!("{}[{index}]", self.path), line }
     }
 
-    pub(super) fn error(&self, problem: impl Into<String>) -> DescriptionError {
+    pub(crate) fn error(&self, problem: impl Into<String>) -> DescriptionError {
         DescriptionError { line: self.line, key: self.path.clone(), problem: problem.into() }
     }
 }
@@ -160,13 +160,13 @@ impl fmt::Display for Place {
 }
 
 /// A node and its place.
-pub(super) struct Entry<'a> {
-    pub(super) node: &'a Node,
-    pub(super) place: Place,
+pub(crate) struct Entry<'a> {
+    pub(crate) node: &'a Node,
+    pub(crate) place: Place,
 }
 
 impl<'a> Entry<'a> {
-    pub(super) fn expected(&self, what: &str) -> DescriptionError {
+    pub(crate) fn expected(&self, what: &str) -> DescriptionError {
         let found = match &self.node.value {
             Value::Number(_) => "a number",
             Value::Text(_) => "a string",
@@ -178,21 +178,28 @@ impl<'a> Entry<'a> {
         self.place.error(format!("found {found}, expected {what}"))
     }
 
-    pub(super) fn text(&self) -> Result<&'a str, DescriptionError> {
+    pub(crate) fn text(&self) -> Result<&'a str, DescriptionError> {
         match &self.node.value {
             Value::Text(text) => Ok(text),
             _ => Err(self.expected("a string")),
         }
     }
 
-    pub(super) fn number(&self) -> Result<f64, DescriptionError> {
+    pub(crate) fn number(&self) -> Result<f64, DescriptionError> {
         match &self.node.value {
             Value::Number(number) => Ok(*number),
             _ => Err(self.expected("a number")),
         }
     }
 
-    pub(super) fn items(&self, what: &str) -> Result<Vec<Entry<'a>>, DescriptionError> {
+    pub(crate) fn flag(&self) -> Result<bool, DescriptionError> {
+        match &self.node.value {
+            Value::Flag(flag) => Ok(*flag),
+            _ => Err(self.expected("true or false")),
+        }
+    }
+
+    pub(crate) fn items(&self, what: &str) -> Result<Vec<Entry<'a>>, DescriptionError> {
         match &self.node.value {
             Value::List(items) => {
                 let item = |(i, node): (usize, &'a Node)| Entry { node, place: self.place.item(i, node.line) };
@@ -203,7 +210,7 @@ impl<'a> Entry<'a> {
     }
 
     /// The table at this entry, whose keys are all among the allowed ones.
-    pub(super) fn table(&self, allowed: &'static [&'static str], what: &str) -> Result<Table<'a>, DescriptionError> {
+    pub(crate) fn table(&self, allowed: &'static [&'static str], what: &str) -> Result<Table<'a>, DescriptionError> {
         let Value::Table(entries) = &self.node.value else {
             return Err(self.expected(what));
         };
@@ -221,24 +228,24 @@ impl<'a> Entry<'a> {
 }
 
 /// The entries of a table whose keys are known.
-pub(super) struct Table<'a> {
-    pub(super) entries: &'a [(String, Node)],
-    pub(super) place: Place,
+pub(crate) struct Table<'a> {
+    pub(crate) entries: &'a [(String, Node)],
+    pub(crate) place: Place,
 }
 
 impl<'a> Table<'a> {
-    pub(super) fn get(&self, key: &str) -> Option<Entry<'a>> {
+    pub(crate) fn get(&self, key: &str) -> Option<Entry<'a>> {
         let (key, node) = self.entries.iter().find(|(other, _)| other == key)?;
         Some(Entry { node, place: self.place.key(key, node.line) })
     }
 
-    pub(super) fn require(&self, key: &str, what: &str) -> Result<Entry<'a>, DescriptionError> {
+    pub(crate) fn require(&self, key: &str, what: &str) -> Result<Entry<'a>, DescriptionError> {
         self.get(key).ok_or_else(|| self.place.key(key, self.place.line).error(format!("missing, expected {what}")))
     }
 }
 
 /// The nearest allowed name, where one is near, and all of them.
-pub(super) fn suggestion(name: &str, allowed: impl Iterator<Item = &'static str> + Clone) -> String {
+pub(crate) fn suggestion(name: &str, allowed: impl Iterator<Item = &'static str> + Clone) -> String {
     let lower = name.to_lowercase();
     let near = allowed.clone().map(|other| (edits(&lower, other), other)).min();
     let all: Vec<_> = allowed.map(|other| format!("`{other}`")).collect();
