@@ -5,6 +5,7 @@ use crate::gallery;
 use crate::material::{Change, load, model};
 use brdf::gpu::Gpu;
 use brdf::layered::Model;
+use brdf::layered::description::{Node, Value};
 use brdf::material::{Material, built_in};
 use brdf::render::camera::{Camera, Orbit};
 use brdf::render::environment::Environment;
@@ -12,7 +13,7 @@ use brdf::render::light::Light;
 use brdf::render::mesh::Mesh;
 use brdf::render::shape::Shape;
 use brdf::render::torus::Torus;
-use brdf::render::{Film, Scene, gpu, offline, realtime, sources};
+use brdf::render::{Film, Scene, gpu, offline, realtime, sources, texture};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
@@ -244,6 +245,14 @@ fn environment(name: &str) -> Result<Environment, String> {
     }
 }
 
+/// Whether a file describes one stack, which has layers of its own, and no material, which has parts or is one that is built in.
+fn is_stack_file(path: &Path) -> Result<bool, String> {
+    let locate = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+    let text = std::fs::read_to_string(path).map_err(|error| locate(&error))?;
+    let node = Node::from_toml(&text).map_err(|error| locate(&error))?;
+    Ok(matches!(&node.value, Value::Table(entries) if entries.iter().any(|(key, _)| key == "layer")))
+}
+
 fn material(options: &Options) -> Result<Material, Failure> {
     let name = options.material.as_str();
     if built_in::by_name(name).is_some() {
@@ -254,6 +263,15 @@ fn material(options: &Options) -> Result<Material, Failure> {
     }
     if let Some((key, _)) = options.set.first() {
         return Err(format!("--set {key}: only the built-in materials of `brdf list` have numbers to set").into());
+    }
+    let path = Path::new(name);
+    if path.is_file() && !is_stack_file(path)? {
+        if let Some(model) = options.model {
+            return Err(
+                format!("--model {}: {name} is a material file, which says its models itself", model.name()).into()
+            );
+        }
+        return Ok(texture::read_material(path)?.material);
     }
     let change = Change { model: options.model, ..Change::default() };
     Ok(load(name, change)?.stack.three().into())
