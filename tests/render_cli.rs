@@ -72,11 +72,31 @@ fn a_stack_file_takes_a_model() {
 }
 
 #[test]
+fn a_material_file_brings_its_images() {
+    let folder = folder("material");
+    let map = image::GrayImage::from_fn(2, 1, |x, _| image::Luma([if x == 0 { 0 } else { 255 }]));
+    map.save(folder.join("halves.png")).expect("a file");
+    let text =
+        "[[part]]\nlayer = [{ interface = { diffuse = { albedo = { image = \"halves.png\" }, sigma = 0.0 } } }]\n";
+    fs::write(folder.join("halves.toml"), text).expect("a file");
+    let arguments =
+        ["halves.toml", "--shape", "plane", "--environment", "furnace", "--elevation", "80", "--out", "a.exr"];
+    let whole = report(&render(&folder, &[&arguments[..], &["--json", "--no-backdrop"]].concat()));
+    // White where the map is, black where it is not: the brightest pixel is about 1, and the mean far below.
+    let [mean, largest] = ["mean", "largest"].map(|key| whole[key][0].as_f64().expect("a number"));
+    assert!(largest > 0.9 && largest < 1.001 && mean < 0.5, "{mean} {largest}");
+}
+
+#[test]
 fn bad_input_is_one_line_and_nothing_is_written() {
     let folder = folder("refused");
     fs::write(folder.join("empty.obj"), "v 0 0 0\n").expect("a file");
     fs::write(folder.join("text.hdr"), "no picture").expect("a file");
-    fs::write(folder.join("bad.toml"), "[[layer]]\ninterface = { dielectric = { n = -1 }, alpha = 0.1 }\n").expect("a file");
+    fs::write(folder.join("bad.toml"), "[[layer]]\ninterface = { dielectric = { n = -1 }, alpha = 0.1 }\n")
+        .expect("a file");
+    let painted =
+        "[[part]]\nlayer = [{ interface = { diffuse = { albedo = { image = \"absent.png\" }, sigma = 0.3 } } }]\n";
+    fs::write(folder.join("painted.toml"), painted).expect("a file");
     for (arguments, said) in [
         (&["copper", "--shape", "cube"][..], "--shape cube"),
         (&["copper", "--shape", "torus:2"], "[0.01, 0.99]"),
@@ -93,7 +113,8 @@ fn bad_input_is_one_line_and_nothing_is_written() {
         (&["unobtainium"], "unobtainium is neither"),
         (&["bad.toml"], "bad.toml: "),
         (&["copper", "--light", "torch:1,2,3"], "torch"),
-        (&["copper", "--size", "0x4"], "WIDTHxHEIGHT"),
+        (&["copper", "--samples", "0"], "0 is not in"),
+        (&["painted.toml"], "absent.png"),
         (&["copper", "--gpu", "--adapter", "no such adapter"], "no such adapter"),
     ] {
         let output = render(&folder, arguments);

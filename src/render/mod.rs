@@ -24,7 +24,7 @@ pub mod scene;
 pub mod shading;
 pub mod shape;
 pub mod sources;
-pub mod textures;
+pub mod texture;
 pub mod torus;
 
 pub use film::Film;

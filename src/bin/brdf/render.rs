@@ -13,7 +13,7 @@ use brdf::render::light::Light;
 use brdf::render::mesh::Mesh;
 use brdf::render::shape::Shape;
 use brdf::render::torus::Torus;
-use brdf::render::{Film, Scene, gpu, offline, realtime, sources, textures};
+use brdf::render::{Film, Scene, gpu, offline, realtime, sources, texture};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
@@ -245,6 +245,14 @@ fn environment(name: &str) -> Result<Environment, String> {
     }
 }
 
+/// Whether a file describes one stack, which has layers of its own, and no material, which has parts or is one that is built in.
+fn is_stack_file(path: &Path) -> Result<bool, String> {
+    let locate = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+    let text = std::fs::read_to_string(path).map_err(|error| locate(&error))?;
+    let node = Node::from_toml(&text).map_err(|error| locate(&error))?;
+    Ok(matches!(&node.value, Value::Table(entries) if entries.iter().any(|(key, _)| key == "layer")))
+}
+
 fn material(options: &Options) -> Result<Material, Failure> {
     let name = options.material.as_str();
     if built_in::by_name(name).is_some() {
@@ -256,21 +264,15 @@ fn material(options: &Options) -> Result<Material, Failure> {
     if let Some((key, _)) = options.set.first() {
         return Err(format!("--set {key}: only the built-in materials of `brdf list` have numbers to set").into());
     }
-    if is_material_file(Path::new(name)) {
+    let path = Path::new(name);
+    if path.is_file() && !is_stack_file(path)? {
         if let Some(model) = options.model {
-            return Err(format!("--model {}: {name} is no stack, and has the model that it says", model.name()).into());
+            return Err(
+                format!("--model {}: {name} is a material file, which says its models itself", model.name()).into()
+            );
         }
-        return Ok(textures::read_material(Path::new(name))?.material);
+        return Ok(texture::read_material(path)?.material);
     }
     let change = Change { model: options.model, ..Change::default() };
     Ok(load(name, change)?.stack.three().into())
-}
-
-/// Whether a file describes a material and not a stack: it has parts, or names a built-in one.
-fn is_material_file(path: &Path) -> bool {
-    let text = std::fs::read_to_string(path).unwrap_or_default();
-    match Node::from_toml(&text).map(|node| node.value) {
-        Ok(Value::Table(entries)) => entries.iter().any(|(key, _)| matches!(key.as_str(), "part" | "material")),
-        _ => false,
-    }
 }
