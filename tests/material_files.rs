@@ -635,3 +635,18 @@ fn any_fields_are_read_or_refused() {
     }
     assert!(read > 8_000, "{read}");
 }
+
+/// The files that the documentation points to.
+#[test]
+fn examples_are_read() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/materials");
+    let mut count = 0;
+    for entry in std::fs::read_dir(&folder).expect("the folder is there") {
+        let path = entry.expect("an entry").path();
+        let text = std::fs::read_to_string(&path).expect("a text");
+        let read = read_file(&text, load).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        assert!(read.name.is_some(), "{}", path.display());
+        count += 1;
+    }
+    assert_eq!(count, 2);
+}

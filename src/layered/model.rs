@@ -77,6 +77,7 @@ pub fn internal_reflection<R: Real>(transmitted: R, g: R) -> R {
 
 /// A closed-form model over interfaces whose facets are not the plain ones; [`Model::Coupled`](super::Model) and
 /// [`Model::Walk`](super::Model) have no closed form: of them it is [`conserving`].
+#[cfg(feature = "std")]
 #[inline]
 pub(crate) fn over<R: Real, S: Surface<R>, const C: usize>(
     model: super::Model,

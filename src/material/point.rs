@@ -43,6 +43,7 @@ impl<R: Real> Point<R> {
     }
 
     /// The point that lies these lengths further along the tangent and the bitangent, as if the surface were flat.
+    #[cfg(feature = "std")]
     pub(crate) fn shifted(&self, along: R, across: R) -> Self {
         Point {
             position: self.position + self.tangent * along + self.bitangent * across,
