@@ -180,22 +180,26 @@ impl Kernel<1, 1> for Everything {
     #[inline(always)]
     fn evaluate<R: Real<Wide = R>>(&self, [x]: [R; 1]) -> [R; 1] {
         let (mut chains, factor, addend) = self.0.numbers(x);
-        // That took a sum for each chain, and the end takes as many but one.
-        for i in 0..WORK.roots {
-            chains[i] = chains[i].sqrt();
+        // That took a sum for each chain, and the end takes as many but one. Rounds are written out: see `sixteen_times`.
+        const { assert!(WORK.products == 6 * CHAINS + 5 && WORK.sums == (2 * CHAINS - 1) + CHAINS + 5) };
+        for chain in chains.iter_mut().take(WORK.roots) {
+            *chain = chain.sqrt();
         }
-        for i in 0..WORK.divides {
-            chains[CHAINS - 1 - i] = factor / chains[CHAINS - 1 - i];
+        for chain in chains.iter_mut().rev().take(WORK.divides) {
+            *chain = factor / *chain;
         }
-        for i in 0..WORK.products {
-            chains[i % CHAINS] = chains[i % CHAINS].mul_add(factor, addend);
-        }
-        for i in 0..WORK.choices {
-            chains[i % CHAINS] = chains[i % CHAINS].min(addend);
-        }
-        for i in 0..WORK.sums - (2 * CHAINS - 1) {
-            chains[i % CHAINS] = chains[i % CHAINS] + factor;
-        }
+        let multiply = |chain: &mut R| *chain = chain.mul_add(factor, addend);
+        chains.iter_mut().for_each(multiply);
+        chains.iter_mut().for_each(multiply);
+        chains.iter_mut().for_each(multiply);
+        chains.iter_mut().take(WORK.choices).for_each(|chain| *chain = chain.min(addend));
+        chains.iter_mut().for_each(multiply);
+        chains.iter_mut().for_each(multiply);
+        chains.iter_mut().for_each(multiply);
+        chains.iter_mut().take(5).for_each(multiply);
+        let add = |chain: &mut R| *chain = *chain + factor;
+        chains.iter_mut().for_each(add);
+        chains.iter_mut().take(5).for_each(add);
         sum(chains)
     }
 }
