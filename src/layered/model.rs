@@ -110,13 +110,7 @@ pub(crate) struct Plain;
 
 impl<R: Real> Surface<R> for Plain {
     #[inline(always)]
-    fn facets(
-        &self,
-        _: usize,
-        wi: Vector<R::Wide>,
-        wo: Vector<R::Wide>,
-        alpha: R::Wide,
-    ) -> (R::Wide, Facets<R::Wide>) {
+    fn facets(&self, _: usize, wi: Vector<R::Wide>, wo: Vector<R::Wide>, alpha: R::Wide) -> (R::Wide, Facets<R::Wide>) {
         (cos_half(wi, wo), facets_wide::<_, R>(wi, wo, alpha))
     }
 }

@@ -217,9 +217,7 @@ impl Scalar {
                 let [amplitude, gain, lacunarity] = [noise.amplitude, noise.gain, noise.lacunarity].map(number);
                 noise::ridged(noise.place(point), noise.seed, amplitude, R::ONE, noise.octaves, gain, lacunarity)
             }
-            Scalar::Image(lookup, channel) => {
-                lookup.texel(point, images).get(*channel).copied().unwrap_or(R::ZERO)
-            }
+            Scalar::Image(lookup, channel) => lookup.texel(point, images).get(*channel).copied().unwrap_or(R::ZERO),
             Scalar::Scaled { of, factor, offset } => of.at(point, images) * number(*factor) + number(*offset),
             Scalar::Sum(a, b) => a.at(point, images) + b.at(point, images),
             Scalar::Product(a, b) => a.at(point, images) * b.at(point, images),
@@ -372,4 +370,3 @@ impl Colour {
         }
     }
 }
-

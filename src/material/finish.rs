@@ -24,7 +24,13 @@ impl Finish {
 
     /// Layers under the model `conserving`.
     pub fn layers(coats: Vec<Coat>) -> Self {
-        Self::new(Body::Layers(Layers { model: Model::Conserving, widths: Widths::Own, coats, returns: false, scatter: None }))
+        Self::new(Body::Layers(Layers {
+            model: Model::Conserving,
+            widths: Widths::Own,
+            coats,
+            returns: false,
+            scatter: None,
+        }))
     }
 
     /// The same with a relief.

@@ -58,10 +58,10 @@ pub mod flake;
 pub mod glint;
 pub mod kubelka_munk;
 pub mod metal;
-pub mod patina;
-mod point;
 #[cfg(feature = "std")]
 mod parts;
+pub mod patina;
+mod point;
 #[cfg(feature = "std")]
 pub mod spot;
 pub mod stack;

@@ -106,10 +106,9 @@ impl Material {
     pub fn is_constant(&self) -> bool {
         self.parts.iter().all(|part| {
             let (mut colours, mut numbers) = (true, true);
-            part.finish.each(
-                &mut |colour| colours &= colour.constant().is_some(),
-                &mut |scalar| numbers &= scalar.constant().is_some(),
-            );
+            part.finish.each(&mut |colour| colours &= colour.constant().is_some(), &mut |scalar| {
+                numbers &= scalar.constant().is_some()
+            });
             let even = part.cover.constant().is_some() && part.finish.relief.is_none() && !part.finish.has_flakes();
             colours && numbers && even
         })
@@ -182,10 +181,10 @@ fn validate(index: usize, part: &Part, images: &[Image]) -> Result<f64, Material
     let mut problem = None;
     part.cover.each(&mut |scalar| problem = problem.take().or_else(|| scalar_problem(scalar, images)));
     let mut of_colours = None;
-    part.finish.each(
-        &mut |colour| of_colours = of_colours.take().or_else(|| colour_problem(colour, images)),
-        &mut |scalar| problem = problem.take().or_else(|| scalar_problem(scalar, images)),
-    );
+    part.finish
+        .each(&mut |colour| of_colours = of_colours.take().or_else(|| colour_problem(colour, images)), &mut |scalar| {
+            problem = problem.take().or_else(|| scalar_problem(scalar, images))
+        });
     let of_relief = part.finish.relief.as_ref().and_then(|relief| relief_problem(relief, images));
     if let Some(problem) = problem.or(of_colours).or(of_relief) {
         return Err(at(index, None, problem));
@@ -203,7 +202,11 @@ fn validate(index: usize, part: &Part, images: &[Image]) -> Result<f64, Material
     for (position, coat) in coats.iter().enumerate() {
         let base = matches!(coat.boundary, Boundary::Diffuse { .. });
         if base && position + 1 < coats.len() {
-            return Err(at(index, Some(position), "a diffuse base lets nothing through: make it the last layer".into()));
+            return Err(at(
+                index,
+                Some(position),
+                "a diffuse base lets nothing through: make it the last layer".into(),
+            ));
         }
         let flawed = coat.flakes.as_ref().and_then(|flakes| flakes_problem(flakes, base, images));
         if let Some(problem) = flawed {
@@ -254,9 +257,7 @@ fn scalar_problem(scalar: &Scalar, images: &[Image]) -> Option<String> {
         }
         Scalar::Scaled { factor, offset, .. } => finite(&[*factor, *offset]),
         Scalar::Levels { black, white, .. } => finite(&[*black, *white]),
-        Scalar::Threshold { at, softness, .. } => {
-            finite(&[*at, *softness]).or_else(|| negative("softness", *softness))
-        }
+        Scalar::Threshold { at, softness, .. } => finite(&[*at, *softness]).or_else(|| negative("softness", *softness)),
         Scalar::Extent { extent, transition, .. } => {
             finite(&[*extent, *transition]).or_else(|| negative("transition", *transition))
         }
@@ -302,8 +303,9 @@ fn relief_problem(relief: &Relief, images: &[Image]) -> Option<String> {
             let usable = step.is_finite() && *step > 0.0;
             (!usable).then(|| format!("the step of a height is {step}, it is positive"))
         }
-        Relief::Map { normals, strength, .. } => lookup_problem(normals, images)
-            .or_else(|| (!strength.is_finite()).then(|| format!("the strength of a normal map is {strength}, it is finite"))),
+        Relief::Map { normals, strength, .. } => lookup_problem(normals, images).or_else(|| {
+            (!strength.is_finite()).then(|| format!("the strength of a normal map is {strength}, it is finite"))
+        }),
     }
 }
 

@@ -472,7 +472,8 @@ impl<R: Real> Surface<R> for Grains<R> {
             None | Some(Grain::Plain) => facets(wi, wo),
             Some(Grain::Glints { flakes, position, footprint }) => {
                 let plain = facets(wi, wo);
-                let grain = glint::factor(half_vector(wi, wo), alpha, &flakes.cast(), position.widen(), footprint.widen());
+                let grain =
+                    glint::factor(half_vector(wi, wo), alpha, &flakes.cast(), position.widen(), footprint.widen());
                 Facets { lobe: plain.lobe * grain, d: plain.d * grain, ..plain }
             }
             Some(Grain::Tilted(frame)) => {

@@ -140,8 +140,7 @@ impl BuiltIn for Ceramic {
 
     fn material(&self) -> Result<Material, MaterialError> {
         let coats = vec![Coat::dielectric(self.n, self.alpha), Coat::diffuse(self.albedo, 0.0)];
-        let layers =
-            Layers { model: Model::Conserving, widths: Widths::Own, coats, returns: true, scatter: None };
+        let layers = Layers { model: Model::Conserving, widths: Widths::Own, coats, returns: true, scatter: None };
         Material::plain(Finish::new(Body::Layers(layers)))
     }
 }

@@ -126,7 +126,11 @@ pub fn all() -> Vec<Named> {
     use paint::{CarPaint, Sparkle};
     use patinated::{Patina, Scattering, Timeline};
     Vec::from([
-        named("car_paint", "chromium flakes under a tinted coat, glints that conserve energy (Elek, §4.1)", CarPaint::default()),
+        named(
+            "car_paint",
+            "chromium flakes under a tinted coat, glints that conserve energy (Elek, §4.1)",
+            CarPaint::default(),
+        ),
         named(
             "car_paint_as_printed",
             "the same with the documents' flake normals and model (Elek, §4.1)",
@@ -139,8 +143,16 @@ pub fn all() -> Vec<Named> {
             Patina { scattering: Scattering::AsPrinted, ..Patina::default() },
         ),
         named("patina_over_time", "five colours of patina in bands, by age (Mihaylov, §3.3.2)", Timeline::default()),
-        named("rusty_iron", "iron with spots of rust by a noise mask (Mihaylov, §3.3.1, §4.3)", rust::RustyIron::default()),
-        named("worn_metal", "polished metal with scratches and dirt (Mihaylov, §3.2, §4.2)", worn::WornMetal::default()),
+        named(
+            "rusty_iron",
+            "iron with spots of rust by a noise mask (Mihaylov, §3.3.1, §4.3)",
+            rust::RustyIron::default(),
+        ),
+        named(
+            "worn_metal",
+            "polished metal with scratches and dirt (Mihaylov, §3.2, §4.2)",
+            worn::WornMetal::default(),
+        ),
         named("brushed_steel", "grooves along the surface (Mihaylov, §3.1.4)", worn::BrushedSteel::default()),
         named(
             "turned_steel",
@@ -149,7 +161,11 @@ pub fn all() -> Vec<Named> {
         ),
         named("orange_lacquer", "a lacquer of varying thickness (Elek, fig. 10)", lacquer::Lacquer::orange()),
         named("purple_lacquer", "a lacquer of varying thickness (Elek, fig. 10)", lacquer::Lacquer::purple()),
-        named("varnished_concrete", "a blue varnish over Oren–Nayar concrete (Elek, fig. 10)", lacquer::Varnish::default()),
+        named(
+            "varnished_concrete",
+            "a blue varnish over Oren–Nayar concrete (Elek, fig. 10)",
+            lacquer::Varnish::default(),
+        ),
         named("coated_ceramic", "a white body under a clear glaze", lacquer::Ceramic::default()),
     ])
 }

@@ -7,9 +7,9 @@ use crate::material::field::{Lookup, Scalar};
 use crate::material::finish::{Body, Coat, Finish, Flakes, Layers};
 use crate::material::metal;
 use crate::material::parts::{Material, MaterialError, Part};
+use crate::random::random;
 use crate::texture::bump;
 use crate::texture::image::{Filter, Image};
-use crate::random::random;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -96,9 +96,7 @@ impl BuiltIn for CarPaint {
         let mut images = Vec::new();
         let flakes = match self.sparkle {
             Sparkle::Smooth => None,
-            Sparkle::Glints => {
-                Some(Flakes::Glints { spacing: self.spacing, resolution: RESOLUTION, seed: self.seed })
-            }
+            Sparkle::Glints => Some(Flakes::Glints { spacing: self.spacing, resolution: RESOLUTION, seed: self.seed }),
             Sparkle::AsPrinted => {
                 images.extend(flake_normals(SIDE, self.flake_alpha, self.seed));
                 Some(Flakes::AsPrinted { normals: Lookup { image: 0, repeat: [REPEATS; 2] } })

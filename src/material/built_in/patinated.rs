@@ -204,6 +204,9 @@ impl BuiltIn for Timeline {
         let cover = mask.above(1.0 - self.age * (1.0 + self.softness) + 0.5 * self.softness, self.softness);
         let relief = Relief::Height { height: noise.scaled(0.01, 0.0), step: 0.004 };
         let film = Finish::layers(vec![Coat::diffuse(colour, self.sigma)]).with_relief(relief);
-        Material::new(vec![Part { cover: Scalar::Constant(1.0), finish: bare }, Part { cover, finish: film }], Vec::new())
+        Material::new(
+            vec![Part { cover: Scalar::Constant(1.0), finish: bare }, Part { cover, finish: film }],
+            Vec::new(),
+        )
     }
 }

@@ -83,10 +83,8 @@ impl BuiltIn for RustyIron {
         let colour = Colour::Ramp(ramp, age);
         let relief = Relief::Height { height: height.scaled(self.height, 0.0), step: 0.004 };
         let rust = Finish::layers(vec![Coat::diffuse(colour, self.sigma)]).with_relief(relief);
-        let parts = vec![
-            Part { cover: Scalar::Constant(1.0), finish: iron },
-            Part { cover: self.mask(), finish: rust },
-        ];
+        let parts =
+            vec![Part { cover: Scalar::Constant(1.0), finish: iron }, Part { cover: self.mask(), finish: rust }];
         Material::new(parts, Vec::new())
     }
 }

@@ -124,8 +124,13 @@ impl BuiltIn for BrushedSteel {
         // Streaks: fine around the axis, long along it, as the noise is solid.
         let streaks = Noise { frequency: [1.0, 1.0, 60.0], ..Noise::new(self.seed, 1.0) }.octaves(3);
         let streaks = Scalar::Fractal(streaks).scaled(self.variety * self.across, self.across);
-        let metal =
-            BrushedMetal { n: n.into(), k: k.into(), along: self.along.into(), across: streaks, turn: self.turn.into() };
+        let metal = BrushedMetal {
+            n: n.into(),
+            k: k.into(),
+            along: self.along.into(),
+            across: streaks,
+            turn: self.turn.into(),
+        };
         Material::plain(Finish::new(Body::Brushed(metal)))
     }
 }

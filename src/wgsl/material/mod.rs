@@ -196,7 +196,14 @@ impl Writer {
     }
 
     /// The rest of a part that is a stack of layers.
-    fn stack(&mut self, index: usize, f: &str, (first, count, model): (usize, usize, Model), relief: bool, scatters: bool) {
+    fn stack(
+        &mut self,
+        index: usize,
+        f: &str,
+        (first, count, model): (usize, usize, Model),
+        relief: bool,
+        scatters: bool,
+    ) {
         let name = model.name();
         let mut drawn = format!("brdf::sampling::sample({first}u, {count}u, brdf::sampling::{name}, wo, u).wi");
         let mut density = format!("brdf::sampling::pdf({first}u, {count}u, brdf::sampling::{name}, wi, wo)");
@@ -258,8 +265,7 @@ impl Writer {
             "_turned(brdf::brushed::reflect_visible_ggx({}, {alpha}, u.xy), vec2f(brushed_turn[{index}].x, -brushed_turn[{index}].y))",
             turned("wo")
         );
-        let density =
-            format!("brdf::brushed::reflect_visible_ggx_pdf({}, {}, {alpha})", turned("wi"), turned("wo"));
+        let density = format!("brdf::brushed::reflect_visible_ggx_pdf({}, {}, {alpha})", turned("wi"), turned("wo"));
         self.reflect(index, [&f, &drawn, &density], relief);
         let reflectance = |c: u32| format!("_interface_terms(wo.z, {n}, {k}, 1.0, {c}u).reflectance");
         self.mirrors.push((
@@ -319,12 +325,17 @@ impl Writer {
                 )
             })
             .collect();
-        let prepare = each(&|part| format!("    if spot_share[{part}] > 0.0 {{\n        part_{part}_prepare(point);\n    }}\n"));
+        let prepare =
+            each(&|part| format!("    if spot_share[{part}] > 0.0 {{\n        part_{part}_prepare(point);\n    }}\n"));
         let reflected = each(&|part| {
-            format!("    if spot_share[{part}] > 0.0 {{\n        sum += spot_share[{part}] * part_{part}_reflected(wi, wo);\n    }}\n")
+            format!(
+                "    if spot_share[{part}] > 0.0 {{\n        sum += spot_share[{part}] * part_{part}_reflected(wi, wo);\n    }}\n"
+            )
         });
         let pdf = each(&|part| {
-            format!("    if spot_share[{part}] > 0.0 {{\n        sum += spot_share[{part}] * part_{part}_pdf(wi, wo);\n    }}\n")
+            format!(
+                "    if spot_share[{part}] > 0.0 {{\n        sum += spot_share[{part}] * part_{part}_pdf(wi, wo);\n    }}\n"
+            )
         });
         // The last part with a share takes what rounding leaves.
         let sample = each(&|part| {
@@ -398,7 +409,14 @@ fn coat_expression(coat: &Coat, returned: f64, statements: &mut Statements<'_>) 
                 0.0 => albedo,
                 returned => format!("{albedo} / (vec3f(1.0) - {albedo} * {})", literal(returned)),
             };
-            (zero.clone(), "1.0".to_string(), zero, KINDS[1], albedo, format!("clamp({sigma}, 0.0, 1.57079632679489662)"))
+            (
+                zero.clone(),
+                "1.0".to_string(),
+                zero,
+                KINDS[1],
+                albedo,
+                format!("clamp({sigma}, 0.0, 1.57079632679489662)"),
+            )
         }
     };
     let (sigma, thickness) = (statements.colour(&coat.sigma), statements.scalar(&coat.thickness));
