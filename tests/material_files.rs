@@ -137,7 +137,7 @@ stack = { model = "coupled", layer = [{ interface = { diffuse = { albedo = 0.5 }
         turn: Scalar::Of(Property::U),
     };
     let relief = Relief::Height { height: Scalar::Ridged(ridged), step: 0.01 };
-    let finish = Finish::new(Body::Brushed(brushed)).with_relief(relief);
+    let finish = Finish::new(Body::Brushed(Box::new(brushed))).with_relief(relief);
     assert_eq!(parts[1], Part { cover: 0.5.into(), finish });
     let normals = Lookup { image: 1, repeat: [1.0; 2] };
     let third = &parts[2].finish;

@@ -50,7 +50,7 @@ pub enum Body {
     /// Layers whose parameters vary.
     Layers(Layers),
     /// A metal with grooves along one direction.
-    Brushed(BrushedMetal),
+    Brushed(Box<BrushedMetal>),
     /// One stack for the whole surface, under any model.
     Whole(Box<Stack<f64, 3>>),
 }

@@ -5,6 +5,7 @@ use crate::material::field::{Colour, Noise, Property, Scalar};
 use crate::material::finish::{Body, BrushedMetal, Coat, Finish, Relief};
 use crate::material::metal;
 use crate::material::parts::{Material, MaterialError, Part};
+use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -131,6 +132,6 @@ impl BuiltIn for BrushedSteel {
             across: streaks,
             turn: self.turn.into(),
         };
-        Material::plain(Finish::new(Body::Brushed(metal)))
+        Material::plain(Finish::new(Body::Brushed(Box::new(metal))))
     }
 }

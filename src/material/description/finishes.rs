@@ -38,7 +38,7 @@ impl Reader<'_> {
         } else if let Some(stray) = OF_LAYERS.iter().find_map(|key| part.get(key)) {
             return Err(stray.place.error(format!("belongs to a part with `layer`, and {} is given", kind.place)));
         } else if part.get("brushed").is_some() {
-            Body::Brushed(self.brushed(kind)?)
+            Body::Brushed(Box::new(self.brushed(kind)?))
         } else {
             Body::Whole(Box::new(stack(kind)?))
         };
