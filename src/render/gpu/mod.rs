@@ -171,7 +171,7 @@ pub fn offline(gpu: &Gpu, scene: &Scene, options: Options, progress: &Progress<'
 /// The picture of [`realtime::render`] over f32, but for rounding: the CPU finds the fragments, the device shades them.
 ///
 /// # Errors
-/// As [`offline`].
+/// As [`offline()`].
 pub fn realtime(gpu: &Gpu, scene: &Scene, side: u32, progress: &Progress<'_>) -> Result<Film, PictureError> {
     let environment = Prefiltered::new(&scene.environment);
     let words = words::words(scene, &Options::default(), Some(&environment));

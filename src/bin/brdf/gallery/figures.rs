@@ -148,7 +148,7 @@ fn distribution_tables() -> Panels {
         .collect();
     let eighth = DistributionTable::<Half>::new(SIDE, SIDE, 0.0023, Mapping::Angle).map_err(|e| e.to_string())?;
     let panel = |d: &(dyn Fn(Vector<f64>) -> f64 + Sync)| {
-        let mut view = View::lit(1.0).close(0.9);
+        let mut view = View::lit(1.0).close(1.0);
         // The light behind the viewer: the highlight is in the middle.
         view.lights =
             vec![brdf::render::light::Light::Directional { towards: view_direction(&view), irradiance: [1.0; 3] }];

@@ -47,7 +47,7 @@ impl View {
 
     /// The same of a torus, whose inner side is hidden from most of the light.
     pub(super) fn of_torus(self) -> Result<Self, Failure> {
-        let orbit = Orbit { elevation: 35.0, distance: 4.6, ..self.orbit };
+        let orbit = Orbit { elevation: 35.0, distance: 7.2, ..self.orbit };
         Ok(View { shape: Shape::Torus(Torus::new(0.45)?), orbit, ..self })
     }
 
