@@ -160,7 +160,12 @@ mod tests {
 
     fn directions() -> impl Iterator<Item = Vector<f64>> {
         (0..=32).flat_map(|i| {
-            (0..64).map(move |j| Vector::from_angles(f64::from(i) / 32.0 * 3.14159, f64::from(j) / 64.0 * 6.28318))
+            (0..64).map(move |j| {
+                Vector::from_angles(
+                    f64::from(i) / 32.0 * core::f64::consts::PI,
+                    f64::from(j) / 64.0 * core::f64::consts::TAU,
+                )
+            })
         })
     }
 

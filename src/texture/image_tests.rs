@@ -93,7 +93,7 @@ fn channels_fill_the_four() {
         (3, [0.5, 0.25, 0.125, 1.0]),
         (4, [0.5, 0.25, 0.125, 0.75]),
     ] {
-        let numbers = vec![0.5, 0.25, 0.125, 0.75];
+        let numbers = [0.5, 0.25, 0.125, 0.75];
         let image = Image::new(1, 1, channels, numbers[..channels as usize].to_vec()).expect("an image");
         assert_eq!(image.texel(9, 9), want);
         assert_eq!(image.texels().collect::<Vec<_>>(), [want]);
