@@ -12,7 +12,8 @@
 //! let p = Vector::new(0.3, 0.4, 0.866);
 //! let height = noise::fractal(p, 1, 0.5, 4.0, 5, 0.5, 2.0);
 //! let rust = mask::soft_threshold(0.5 + height, 0.5, 0.05);
-//! let tone = (0.5 + noise::fractal(p, 2, 0.5, 16.0, 4, 0.5, 2.0)).clamp(0.0, 1.0);
+//! let grain: f64 = noise::fractal(p, 2, 0.5, 16.0, 4, 0.5, 2.0);
+//! let tone = (0.5 + grain).clamp(0.0, 1.0);
 //! let colour = ramp::two([0.11, 0.04, 0.02], [0.35, 0.12, 0.04], [tone; 3]);
 //! assert!((0.0..=1.0).contains(&rust) && colour[0] > colour[2]);
 //! ```
