@@ -4,7 +4,7 @@
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 /// A folder of this test run, empty.
 fn folder(name: &str) -> PathBuf {
@@ -267,6 +267,91 @@ fn the_command_of_a_finding_shows_it_again() {
         }
     }
     assert!(seen >= 3, "{seen}");
+}
+
+/// The exit code of a command whose reader is gone before it says anything.
+fn unheard(folder: &Path, arguments: &[&str]) -> i32 {
+    let mut brdf = Command::new(env!("CARGO_BIN_EXE_brdf"))
+        .args(arguments)
+        .current_dir(folder)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("brdf runs");
+    drop(brdf.stdout.take());
+    brdf.wait().expect("it ends").code().expect("no signal")
+}
+
+/// `brdf check … | head -1` in somebody's CI.
+#[test]
+fn a_reader_that_leaves_does_not_hide_a_violation() {
+    let at = library("unheard");
+    let judge = |arguments: &[&str]| unheard(&at, &[&["check"], &FAST[..], arguments].concat());
+    assert_eq!(judge(&["materials/gains.toml"]), 1);
+    assert_eq!(judge(&["materials/gains.toml", "--json"]), 1);
+    assert_eq!(judge(&["materials/gains.toml", "--at", "theta=60,phi=0,view"]), 1);
+    assert_eq!(judge(&["materials/white.toml"]), 0);
+    fs::write(at.join("r.json"), check(&at, &["materials/gains.toml", "--json"]).stdout).expect("a file");
+    assert_eq!(unheard(&at, &["merge", "r.json"]), 1);
+}
+
+/// `--at` judges as the check did: with its tolerance, and what its profile lets bind; and the command that is printed says so.
+#[test]
+fn a_place_is_judged_by_the_same_rules() {
+    let at = folder("rules");
+    // An albedo of 1.2, and 0.2 (1 + NoV): the two orders differ.
+    fs::write(
+        at.join("a.wgsl"),
+        "fn bright(L: vec3f, V: vec3f) -> f32 { return 1.2 / 3.14159265; }\n\
+         fn lopsided(L: vec3f, V: vec3f, N: vec3f) -> f32 { return 0.2 * (1.0 + dot(N, V)); }\n",
+    )
+    .expect("a file");
+    let judge = |function: &str, rest: &[&str]| check(&at, &[&["--wgsl", "a.wgsl", "--fn", function], rest].concat());
+    let place = ["--at", "theta=60,phi=0,view"];
+    assert_eq!(code(&judge("bright", &place)), 1);
+    assert_eq!(code(&judge("bright", &[&place[..], &["--tolerance", "0.5"]].concat())), 0);
+    let pair = ["--at", "wi=0.6:0:0.8,wo=0:0:1"];
+    for (profile, expected) in [("strict", 1), ("realtime", 0), ("measured", 0), ("term", 0)] {
+        let output = judge("lopsided", &[&pair[..], &["--profile", profile]].concat());
+        assert_eq!(code(&output), expected, "{profile}: {output:?}");
+        assert_eq!(text(&output.stdout).contains("only advises"), expected == 0, "{output:?}");
+    }
+    let again = |function: &str, rest: &[&str]| {
+        let report = json(&judge(function, &[rest, &["--json"]].concat()));
+        let findings = report["reports"][0]["findings"].as_array().expect("a list").clone();
+        let commands = findings.iter().filter_map(|finding| finding["again"].as_str().map(str::to_owned));
+        commands.filter(|command| command.contains("--at")).collect::<Vec<_>>()
+    };
+    let commands = again("lopsided", &["--profile", "realtime", "--tolerance", "0.25"]);
+    assert!(commands.len() >= 2, "{commands:?}");
+    for command in commands {
+        assert!(command.contains("--profile realtime --tolerance 0.25"), "{command}");
+    }
+}
+
+/// Nothing is judged for a report that cannot be kept: with this budget it would take hours.
+#[test]
+fn reports_are_tried_before_anything_is_judged() {
+    let at = library("reports");
+    let long = ["--budget", "1000000000"];
+    let line = complaint(&brdf(
+        &at,
+        &[
+            &["check", "materials/slider.brdf", "--no-twins", "--junit", "good.xml", "--html", "no/page.html"],
+            &long[..],
+        ]
+        .concat(),
+    ));
+    assert!(line.contains("no/page.html"), "{line}");
+    let line = complaint(&brdf(
+        &at,
+        &[&["check", "materials/slider.brdf", "--no-twins", "--junit", "materials"], &long[..]].concat(),
+    ));
+    assert!(line.contains("materials"), "{line}");
+    let left = fs::read_dir(&at).expect("a folder").count();
+    assert_eq!(left, 1, "neither report is there, nor anything of them");
+    let judged = check(&at, &["materials/white.toml", "--junit", "good.xml", "--html", "page.html"]);
+    assert_eq!((code(&judged), fs::read_dir(&at).expect("a folder").count()), (0, 3), "{judged:?}");
 }
 
 #[test]

@@ -88,6 +88,12 @@ fn what_is_no_shader_is_refused_where_it_is_wrong() {
     let at = folder("refused");
     fs::create_dir(at.join("shaders")).expect("a folder");
     fs::write(at.join("a.wgsl"), WGSL).expect("a file");
+    fs::write(
+        at.join("b.wgsl"),
+        "fn constant() -> f32 { return 0.3; }\nfn counted(n: u32) -> f32 { return 0.3; }\n\
+         fn framed(q: mat3x3f, wo: vec3f) -> f32 { return (q * wo).z; }\n",
+    )
+    .expect("a file");
     fs::write(at.join("torn.wgsl"), "fn f(L: vec3f) -> f32 {\n    return 1.0 +;\n}\n").expect("a file");
     for (arguments, says) in [
         (&["--wgsl", "shaders", "--fn", "f"][..], "shaders: is a folder"),
@@ -99,8 +105,62 @@ fn what_is_no_shader_is_refused_where_it_is_wrong() {
         (&["--wgsl", "torn.wgsl", "--fn", "f"], "torn.wgsl:2:"),
         (&["--wgsl", "a.wgsl", "--fn", "lambert", "--param", "roughness=1"], "roughness"),
         (&["--wgsl", "a.wgsl", "--fn", "lambert", "--map", "albedo=sky"], "sky"),
+        (&["--wgsl", "b.wgsl", "--fn", "constant"], "`fn constant() -> f32` takes no direction"),
+        (&["--wgsl", "b.wgsl", "--fn", "counted"], "`fn counted(n: u32) -> f32` takes no direction"),
+        (&["--wgsl", "b.wgsl", "--fn", "framed"], "what `q` of `fn framed(q: mat3x3<f32>, wo: vec3<f32>) -> f32` is"),
     ] {
         let said = complaint(&check(&at, arguments));
+        assert!(said.contains(says), "{arguments:?}: {said}");
+    }
+}
+
+/// What a function does not read may be anything, and the report says that it was left at 0.
+#[test]
+fn parameters_that_nothing_depends_on_are_noted() {
+    let at = folder("idle");
+    fs::write(at.join("a.wgsl"), "fn f(q: mat3x3f, wi: vec3f, wo: vec3f) -> f32 { return 0.3; }\n").expect("a file");
+    let judged = report(&check(&at, &["--wgsl", "a.wgsl", "--fn", "f", "--json"]));
+    let notes = judged["notes"].to_string();
+    assert!(judged["verdict"] == "PASS" && notes.contains("q = 0: the function does not read it"), "{judged}");
+}
+
+/// A material that varies is judged over its points and numbers; commands that want a stack say where it belongs.
+#[test]
+fn materials_are_judged_at_their_worst_point() {
+    let at = folder("materials");
+    let file = |model: &str| {
+        format!(
+            "name = \"capped\"\n[[part]]\nlayer = [{{ interface = {{ diffuse = {{ albedo = 0.5 }} }} }}]\n[[part]]\n\
+             cover = {{ above = 0.8, softness = 0.01, of = \"v\" }}\nmodel = \"{model}\"\nlayer = [\n\
+             {{ interface = {{ conductor = {{ n = [2.83, 3.10, 3.06], k = [0.083, 0.19, 0.6] }}, alpha = 0.1 }} }},\n\
+             {{ interface = {{ conductor = {{ n = [0.213, 1.04, 1.17], k = [4.05, 2.59, 2.36] }}, alpha = 0.3 }} }} ]\n"
+        )
+    };
+    fs::write(at.join("fine.toml"), file("conserving")).expect("a file");
+    fs::write(at.join("gains.toml"), file("elek")).expect("a file");
+    let fine = report(&check(&at, &["fine.toml", "--json"]));
+    assert_eq!((&fine["kind"], &fine["verdict"]), (&"material".into(), &"PASS".into()), "{fine}");
+    let gains = report(&check(&at, &["gains.toml", "--json"]));
+    assert_eq!(gains["verdict"], "FAIL", "{gains}");
+    let energy = finding(&gains, "ENERGY");
+    let v = energy["parameters"].as_array().expect("a list").iter().find(|one| one["name"] == "v").expect("v");
+    assert!(v["value"].as_f64().expect("a number") > 0.78, "{energy}");
+    let again = energy["again"].as_str().expect("a command");
+    let seen = check(&at, &again.split(' ').skip(2).collect::<Vec<_>>());
+    assert_eq!(code(&seen), 1, "{again}: {seen:?}");
+
+    let patina = check(&at, &["patina", "--param", "u=0.25", "--param", "extent=0.5"]);
+    assert_eq!(code(&patina), 0, "{patina:?}");
+    for (arguments, says) in [
+        (&["check", "coated_ceramic", "--model", "elek"][..], "--model is about stacks"),
+        (&["check", "coated_ceramic", "--param", "gloss=1"], "there are n, alpha, albedo_r"),
+        (&["check", "no_such"], "neither a built-in stack or material"),
+        (&["plan", "patina"], "patina is a material that varies over a surface"),
+        (&["plan", "fine.toml"], "fine.toml is a material that varies over a surface"),
+    ] {
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_brdf")).args(arguments).current_dir(&at).output().expect("brdf runs");
+        let said = complaint(&output);
         assert!(said.contains(says), "{arguments:?}: {said}");
     }
 }

@@ -114,7 +114,7 @@ fn bad_stack_files_are_refused_with_file_line_and_key() {
         assert!(error.contains(name) && error.contains(want), "{name}: {error}");
     }
     let error = last_error(&brdf(&["check", "no/such/file.toml"], ""));
-    assert!(error.contains("neither a built-in material") && error.contains("brdf list"), "{error}");
+    assert!(error.contains("neither a built-in stack or material") && error.contains("brdf list"), "{error}");
 }
 
 #[test]
@@ -166,8 +166,8 @@ fn the_twins_answer_as_the_rust_functions_do() {
         return;
     }
     let input = "{\"term\": \"fresnel.conductor\", \"cos\": 0.5, \"n\": 0.2, \"k\": 3.9}\n\
-                 {\"term\": \"stack\", \"stack\": \"varnished_concrete\", \"wi\": [0.6, 0, 0.8], \"wo\": [-0.28, 0, 0.96]}\n\
-                 {\"term\": \"stack\", \"stack\": \"varnished_concrete\", \"model\": \"coupled\", \"wi\": [0.6, 0, 0.8], \"wo\": [-0.28, 0, 0.96]}\n\
+                 {\"term\": \"stack\", \"stack\": \"varnish_over_concrete\", \"wi\": [0.6, 0, 0.8], \"wo\": [-0.28, 0, 0.96]}\n\
+                 {\"term\": \"stack\", \"stack\": \"varnish_over_concrete\", \"model\": \"coupled\", \"wi\": [0.6, 0, 0.8], \"wo\": [-0.28, 0, 0.96]}\n\
                  {\"term\": \"stack\", \"stack\": \"clear_coat_over_copper\", \"model\": \"coupled\", \"wi\": [0.6, 0, 0.8], \"wo\": [-0.28, 0, 0.96]}\n";
     let rows = |mode: &str| -> Vec<Value> {
         let output = brdf(&["eval", "--as", mode], input);
@@ -262,7 +262,7 @@ fn the_models_are_measured_against_the_walk() {
     drop(std::fs::remove_file(&svg));
     let arguments = ["bench", "layered", "--walks", "4096", "--json", "--svg", picture, &file, "glass_over_nothing"];
     let error = last_error(&brdf(&arguments, ""));
-    assert!(error.contains("neither a built-in material") && !svg.exists(), "{error}");
+    assert!(error.contains("neither a built-in stack or material") && !svg.exists(), "{error}");
     let error = last_error(&brdf(&["bench", "layered", "glass"], ""));
     assert!(error.contains("give a stack of two"), "{error}");
 
@@ -384,7 +384,7 @@ fn shader_prints_what_a_stack_needs() {
 
 #[test]
 fn plan_says_what_was_left_out_and_what_it_costs() {
-    let output = brdf(&["plan", "clear_coat_over_copper", "varnished_concrete", "--json"], "");
+    let output = brdf(&["plan", "clear_coat_over_copper", "varnish_over_concrete", "--json"], "");
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let coated = &json["stacks"][0];

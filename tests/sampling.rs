@@ -528,7 +528,7 @@ fn albedos_agree_with_quadrature() {
 fn coupled_stacks_are_sampled_without_bias() {
     use brdf::check::{Effort, Fixed, StackSubject, albedo};
     const SAMPLES: usize = 60_000;
-    for name in ["clear_coat_over_copper", "varnished_concrete"] {
+    for name in ["clear_coat_over_copper", "varnish_over_concrete"] {
         let stack = brdf::material::stack::by_name(name).expect("a built-in stack").with_model(Model::Coupled);
         for theta in [0.0, 60.0, 85.0] {
             let wo = view(theta);

@@ -26,7 +26,7 @@ const LEVELS: [&str; 2] = ["baseline", "avx2"];
 
 /// The built-in stacks that are planned: a metal, two interfaces, an oxide, a diffuse base, three layers.
 const STACKS: [&str; 5] =
-    ["copper", "clear_coat_over_copper", "cuprite_over_copper", "varnished_concrete", "three_layer_lacquer"];
+    ["copper", "clear_coat_over_copper", "cuprite_over_copper", "varnish_over_concrete", "three_layer_lacquer"];
 
 const TERMS: [&str; 6] = ["conductor", "dielectric", "beckmann", "smith_ggx", "oren_nayar", "torrance_sparrow"];
 

@@ -162,7 +162,7 @@ impl Worst {
 }
 
 /// The parameters of a family at which it must be isotropic: two widths that are equal (names that end in x and y, or in u
-/// and v), an anisotropy of 0.
+/// and v; alone those are coordinates), an anisotropy of 0.
 fn isotropic_limits(parameters: &[Parameter]) -> Vec<Vec<f64>> {
     let defaults: Vec<f64> = parameters.iter().map(|parameter| parameter.default).collect();
     let mut limits = Vec::new();
@@ -177,7 +177,7 @@ fn isotropic_limits(parameters: &[Parameter]) -> Vec<Vec<f64>> {
             let other = b.name.to_lowercase();
             let along = [("x", "y"), ("u", "v")]
                 .into_iter()
-                .any(|(x, y)| name.strip_suffix(x).is_some_and(|stem| other.strip_suffix(y) == Some(stem)));
+                .any(|(x, y)| name.strip_suffix(x).is_some_and(|s| !s.is_empty() && other.strip_suffix(y) == Some(s)));
             let (low, high) = (a.low.max(b.low), a.high.min(b.high));
             if along && low <= high {
                 for share in [0.25, 0.9] {
@@ -252,6 +252,7 @@ mod tests {
             |names: &[&str]| isotropic_limits(&names.iter().map(|name| parameter(name)).collect::<Vec<_>>()).len();
         assert_eq!(named(&["alpha_x", "alpha_y", "tint"]), 2);
         assert_eq!(named(&["nu", "rs", "nv"]), 2);
+        assert_eq!(named(&["u", "v"]), 0);
         assert_eq!(named(&["anisotropic"]), 1);
         assert_eq!(named(&["roughness", "f0", "max"]), 0);
     }

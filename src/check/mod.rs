@@ -39,6 +39,7 @@ pub mod family;
 pub mod limits;
 mod lobes;
 mod marginals;
+mod material;
 pub mod merl;
 pub mod output;
 pub mod pairs;
@@ -64,6 +65,7 @@ pub use energy::{Albedo, Effort, albedo};
 pub use explorer::{Explorer, ExplorerError};
 pub use family::{Family, Parameter, Scale};
 pub use marginals::THETAS;
+pub use material::MaterialFamily;
 pub use merl::Merl;
 pub use report::{Check, Coverage, Finding, Place, Report};
 pub use stack::StackSubject;
@@ -99,6 +101,17 @@ impl Profile {
             Profile::Realtime => "realtime",
             Profile::Measured => "measured",
             Profile::Term => "term",
+        }
+    }
+
+    /// Whether what a check finds at a place counts, or only advises.
+    pub fn binds(self, check: Check, place: Place) -> bool {
+        let light = matches!(place, Place::Marginal { fixed: Fixed::Light, .. });
+        match self {
+            Profile::Strict => true,
+            Profile::Realtime => !(light || check == Check::Reciprocity),
+            Profile::Measured => check != Check::Reciprocity,
+            Profile::Term => !matches!(check, Check::Energy | Check::Reciprocity),
         }
     }
 }
@@ -234,18 +247,11 @@ fn examine(subject: &dyn Subject, options: &Options<'_>) -> Report {
 
 /// What a profile lets pass, or does not bind.
 fn soften(finding: &mut Finding, options: &Options<'_>) {
-    let light = matches!(finding.place, Place::Marginal { fixed: Fixed::Light, .. });
-    match options.profile {
-        Profile::Strict | Profile::Term => {}
-        Profile::Realtime => finding.binding &= !(light || finding.check == Check::Reciprocity),
-        Profile::Measured => {
-            finding.binding &= finding.check != Check::Reciprocity;
-            if finding.check == Check::Sign {
-                finding.limit = finding.limit.min(-options.tolerance);
-                if finding.value >= finding.limit {
-                    finding.verdict = Verdict::Pass;
-                }
-            }
+    finding.binding &= options.profile.binds(finding.check, finding.place);
+    if options.profile == Profile::Measured && finding.check == Check::Sign {
+        finding.limit = finding.limit.min(-options.tolerance);
+        if finding.value >= finding.limit {
+            finding.verdict = Verdict::Pass;
         }
     }
 }

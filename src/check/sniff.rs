@@ -12,7 +12,7 @@ use core::fmt;
 /// A kind of file that can be judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
-    /// A layered stack in TOML.
+    /// A layered stack, or a material of several, in TOML.
     Stack,
     /// Disney BRDF Explorer's analytic `.brdf`.
     Explorer,
@@ -28,7 +28,7 @@ impl Kind {
     /// What messages call it.
     pub const fn name(self) -> &'static str {
         match self {
-            Kind::Stack => "stack file",
+            Kind::Stack => "stack or material file",
             Kind::Explorer => "BRDF Explorer file",
             Kind::Merl => "MERL file",
             Kind::Wgsl => "WGSL",
@@ -54,7 +54,7 @@ pub enum Refused {
 
 impl fmt::Display for Refused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let known = "a stack (TOML), a BRDF Explorer `.brdf`, a MERL `.binary`, WGSL or GLSL";
+        let known = "a stack or material (TOML), a BRDF Explorer `.brdf`, a MERL `.binary`, WGSL or GLSL";
         match self {
             Refused::Empty => write!(f, "the file is empty: give {known}"),
             Refused::NotYet(format) => write!(f, "{format}: not supported yet; give {known}"),

@@ -149,7 +149,7 @@ impl Finish {
         }
     }
 
-    fn has_flakes(&self) -> bool {
+    pub(crate) fn has_flakes(&self) -> bool {
         matches!(&self.body, Body::Layers(layers) if layers.coats.iter().any(|coat| coat.flakes.is_some()))
     }
 }

@@ -41,7 +41,7 @@ pub fn built_in() -> Vec<BuiltIn> {
         vec![dielectric(1.5, 0.05).over([0.15, 1.2, 1.6], 0.4), conductor("chromium_elek", 0.3)],
     );
     add(
-        "varnished_concrete",
+        "varnish_over_concrete",
         "a blue varnish over an Oren–Nayar base (Elek 2010, fig. 10)",
         vec![dielectric(1.5, 0.1).over([1.4, 0.7, 0.1], 0.3), Layer::new(Interface::diffuse([0.55, 0.53, 0.5], 0.5))],
     );
@@ -104,6 +104,8 @@ mod tests {
         for (i, material) in all.iter().enumerate() {
             assert!(all[..i].iter().all(|other| other.name != material.name), "{}", material.name);
             assert_eq!(by_name(material.name).as_ref(), Some(&material.stack));
+            // One name, one thing.
+            assert!(crate::material::built_in::by_name(material.name).is_none(), "{}", material.name);
         }
     }
 }

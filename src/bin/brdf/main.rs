@@ -8,6 +8,7 @@ mod gallery;
 mod list;
 mod material;
 mod merge;
+mod output;
 mod parity;
 mod plan;
 mod plot;
@@ -32,7 +33,7 @@ enum Command {
     List(list::Options),
     /// Evaluate terms and stacks: JSON Lines in, the same objects with the results out.
     Eval(eval::Options),
-    /// Judge physical plausibility: built-in materials, stack files, shaders, measured BRDFs, folders of them.
+    /// Judge physical plausibility: stacks, materials, shaders, measured BRDFs, folders of their files.
     Check(check::Options),
     /// Put the reports of the shards of one check together.
     Merge(merge::Options),

@@ -1,8 +1,10 @@
 //! The stacks that a command is given: built-in names and stack files.
 
-use brdf::layered::description::{Description, DescriptionError};
+use brdf::layered::description::{Description, DescriptionError, Node, Value};
 use brdf::layered::{Model, Stack, Widths};
-use brdf::material::stack;
+use brdf::material::description::MaterialFile;
+use brdf::material::{built_in, stack};
+use brdf::render::texture;
 use brdf::{Real, Vector, walk};
 use std::path::Path;
 
@@ -108,23 +110,69 @@ pub(crate) struct Material {
     pub(crate) stack: AnyStack,
 }
 
-/// Every built-in material.
-pub(crate) fn built_in() -> Vec<Material> {
+/// Every built-in stack.
+pub(crate) fn stacks() -> Vec<Material> {
     let material = |m: stack::BuiltIn| Material { name: m.name.to_owned(), stack: AnyStack::Three(m.stack) };
     stack::built_in().into_iter().map(material).collect()
 }
 
-/// The built-in material of this name, else the one in the stack file of this path.
+/// A material that varies over a surface, which is no single stack.
+pub(crate) enum Varying {
+    /// It is built in under its name.
+    BuiltIn,
+    /// What a material file describes.
+    File(Box<MaterialFile>),
+}
+
+/// Whether a stack or a material of this name is built in.
+pub(crate) fn is_built_in(name: &str) -> bool {
+    stack::by_name(name).is_some() || built_in::by_name(name).is_some()
+}
+
+/// The material that a name or a file stands for; nothing where it is a stack, or neither.
+pub(crate) fn varying(name: &str) -> Result<Option<Varying>, String> {
+    if stack::by_name(name).is_some() {
+        return Ok(None);
+    }
+    if built_in::by_name(name).is_some() {
+        return Ok(Some(Varying::BuiltIn));
+    }
+    let path = Path::new(name);
+    if !path.is_file() || !is_material_file(path)? {
+        return Ok(None);
+    }
+    Ok(Some(Varying::File(Box::new(texture::read_material(path)?))))
+}
+
+/// Whether a file describes a material, which has parts or is one that is built in, and no stack, which has layers of its own.
+fn is_material_file(path: &Path) -> Result<bool, String> {
+    let locate = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+    let text = std::fs::read_to_string(path).map_err(|error| locate(&error))?;
+    let node = Node::from_toml(&text).map_err(|error| locate(&error))?;
+    let Value::Table(entries) = &node.value else { return Ok(false) };
+    Ok(entries.iter().any(|(key, _)| matches!(key.as_str(), "part" | "material")))
+}
+
+/// The built-in stack of this name, else the one in the stack file of this path.
 pub(crate) fn load(name: &str, change: Change) -> Result<Material, String> {
     if let Some(stack) = stack::by_name(name) {
         return Ok(Material { name: name.to_owned(), stack: AnyStack::Three(stack).changed(change) });
     }
+    let varies = || {
+        format!(
+            "{name} is a material that varies over a surface, and a stack is wanted; `brdf check` judges it, `brdf render` shows it"
+        )
+    };
+    if built_in::by_name(name).is_some() {
+        return Err(varies());
+    }
     if !Path::new(name).exists() {
-        return Err(format!("{name} is neither a built-in material (see `brdf list`) nor a file"));
+        return Err(format!("{name} is neither a built-in stack or material (see `brdf list`) nor a file"));
     }
     let text = std::fs::read_to_string(name).map_err(|error| format!("{name}: {error}"))?;
     let locate = |error: DescriptionError| format!("{name}: {error}");
-    let description = Description::from_toml(&text).map_err(locate)?;
+    let description = Description::from_toml(&text)
+        .map_err(|error| if is_material_file(Path::new(name)) == Ok(true) { varies() } else { locate(error) })?;
     let stack = AnyStack::new(&description, change).map_err(locate)?;
     Ok(Material { name: description.name.unwrap_or_else(|| name.to_owned()), stack })
 }

@@ -2,9 +2,10 @@
 
 use crate::check::{Files, read_run, terminal};
 use crate::failure::Failure;
+use crate::output::Verdicts;
 use brdf::check::output::Run;
 use clap::Args;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -28,12 +29,13 @@ pub(crate) struct Options {
 }
 
 pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
+    let files = options.files.open()?;
     let parts = options.reports.iter().map(|path| read_run(path)).collect::<Result<Vec<_>, _>>()?;
     let mut run = Run::merge(parts).map_err(|error| error.to_string())?;
     let baseline = options.baseline.as_deref().map(read_run).transpose()?;
     let acceptance = baseline.map(|baseline| run.accept(&baseline));
-    options.files.write(&run)?;
-    let mut out = io::stdout().lock();
+    files.write(&run)?;
+    let mut out = Verdicts::new();
     if options.json {
         out.write_all(run.to_json().as_bytes())?;
     } else {

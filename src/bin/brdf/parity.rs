@@ -1,6 +1,7 @@
 //! `brdf parity`: the WGSL twins against the Rust functions.
 
 use crate::failure::Failure;
+use crate::output::Verdicts;
 use brdf::gpu::{Gpu, adapters};
 use brdf::parity::{Comparison, compare, twins};
 use clap::Args;
@@ -61,7 +62,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
     }
     progress.finish_and_clear();
 
-    let mut out = io::stdout().lock();
+    let mut out = Verdicts::new();
     if options.json {
         writeln!(out, "{:#}", Value::from_iter(runs.iter().map(run_json)))?;
     } else {

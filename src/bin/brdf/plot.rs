@@ -2,6 +2,7 @@
 
 use crate::check::portrait::Portrait;
 use crate::failure::Failure;
+use crate::output::Destination;
 use brdf::check::output::plots::Plot;
 use brdf::fresnel;
 use brdf::material::metal;
@@ -109,7 +110,7 @@ fn fresnel_picture(options: &FresnelOptions) -> Result<ExitCode, Failure> {
 fn put(path: &Option<PathBuf>, picture: &str) -> Result<ExitCode, Failure> {
     match path {
         Some(path) => {
-            std::fs::write(path, picture).map_err(|error| format!("{}: {error}", path.display()))?;
+            Destination::write_all(&[(&Destination::new(path)?, picture.to_owned())])?;
         }
         None => io::stdout().lock().write_all(picture.as_bytes())?,
     }

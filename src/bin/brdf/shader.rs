@@ -16,7 +16,7 @@ use std::process::ExitCode;
 /// What `brdf shader` is asked for.
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Built-in materials or stack files; of several, a scene that selects them by index.
+    /// Built-in stacks or stack files; of several, a scene that selects them by index.
     #[arg(required = true)]
     stacks: Vec<String>,
     /// The model in place of the stacks' own.

@@ -134,6 +134,14 @@ pub(super) fn map(compiled: &Compiled<'_>, options: &Options) -> Result<Mapping,
             *place = slot;
         }
     }
+    // Members of a struct and globals that nobody reads are many and none of the caller's business; a parameter is.
+    let mut idle: Vec<&str> = Vec::new();
+    for slot in mapping.slots.iter().filter(|slot| slot.root < entry.parameters.len() && !slot.read) {
+        if slot.source == Source::Own && slot.access.is_empty() && slot.needed && !slot.has_value {
+            idle.push(&slot.path);
+        }
+    }
+    let idle = idle.into_iter().map(|path| format!("{path} = 0: the function does not read it")).collect::<Vec<_>>();
     // A tangent alone makes no BRDF: then `x` and `y` are something else.
     let is_of_light = |slot: &Slot| match slot.source {
         Source::Geometry(Role::Along(d, _)) => matches!(d, Direction::Wi | Direction::Wo | Direction::Half),
@@ -157,6 +165,13 @@ pub(super) fn map(compiled: &Compiled<'_>, options: &Options) -> Result<Mapping,
             if open.len() == 1 { "is" } else { "are" },
         ));
     }
+    if !mapping.slots.iter().any(|slot| !matches!(slot.source, Source::Own | Source::Frame)) {
+        return Err(format!(
+            "`{}` takes no direction, and nothing that is searched or set: it is a number, no BRDF. Is another function \
+             meant? What it reads may be given with --map NAME=ROLE, --param NAME=VALUE or --range NAME=LO..HI[:log]",
+            entry.signature(compiled.language()),
+        ));
+    }
     for direction in [Direction::Wi, Direction::Wo] {
         let is_it = |slot: &&Slot| slot.source == Source::Geometry(Role::Along(direction, false));
         let claims: Vec<&str> = mapping.slots.iter().filter(is_it).map(|slot| slot.path.as_str()).collect();
@@ -170,6 +185,7 @@ pub(super) fn map(compiled: &Compiled<'_>, options: &Options) -> Result<Mapping,
         }
     }
     mapping.notes.insert(0, roles_note(&mapping.slots, options.returns));
+    mapping.notes.extend(idle);
     for slot in &mapping.slots {
         if slot.source == Source::Own && slot.needed && slot.root >= entry.parameters.len() {
             mapping.notes.push(format!("{}: its own value, 0 where it states none (--param {0}=… sets it)", slot.path));

@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 /// What `brdf bench layered` is asked for.
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Built-in materials or stack files of two layers or more; without any, every such built-in material.
+    /// Built-in stacks or stack files of two layers or more; without any, every such built-in stack.
     stacks: Vec<String>,
     /// Walks for each albedo and each pair of directions.
     #[arg(long, default_value_t = 1 << 16, value_parser = clap::value_parser!(u32).range(2..))]
@@ -121,7 +121,7 @@ impl Measured {
 
 pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
     let materials: Vec<Material> = if options.stacks.is_empty() {
-        material::built_in().into_iter().filter(|material| material.stack.layers() > 1).collect()
+        material::stacks().into_iter().filter(|material| material.stack.layers() > 1).collect()
     } else {
         let load = |name: &String| material::load(name, Change::default());
         options.stacks.iter().map(load).collect::<Result<_, _>>()?

@@ -19,7 +19,7 @@ use std::process::ExitCode;
 /// What `brdf bench shaders` is asked for.
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Built-in materials or stack files; without any, every built-in material.
+    /// Built-in stacks or stack files; without any, every built-in stack.
     stacks: Vec<String>,
     /// A short measurement, too short to quote.
     #[arg(long)]
@@ -38,7 +38,7 @@ struct Row {
 
 pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
     let materials: Vec<Material> = if options.stacks.is_empty() {
-        material::built_in()
+        material::stacks()
     } else {
         let load = |name: &String| material::load(name, Change::default());
         options.stacks.iter().map(load).collect::<Result<_, _>>()?

@@ -10,8 +10,9 @@ pub(super) fn command(options: &Options, source: &Source, finding: &Finding) -> 
     words.extend(options.reading.arguments(source));
     words.extend(["--seed".to_owned(), options.seed.to_string()]);
     let parameters: String = finding.parameters.iter().map(|(name, value)| format!(",{name}={value}")).collect();
+    words.extend(settings(options, finding.place == Place::Everywhere));
     match finding.place {
-        Place::Everywhere => words.extend(settings(options)),
+        Place::Everywhere => {}
         Place::Marginal { theta, phi, fixed } => {
             words.extend(["--at".to_owned(), format!("theta={theta},phi={phi},{}{parameters}", fixed.name())]);
         }
@@ -28,21 +29,21 @@ fn plain(x: f64) -> String {
     if x != 0.0 && x.abs() < 1e-4 { format!("{x:e}") } else { format!("{x}") }
 }
 
-/// What a repeated check has to be told besides its subject: whatever is not the default.
-fn settings(options: &Options) -> Vec<String> {
+/// What has to be told besides the subject, whatever is not the default: how its results are judged and, of a whole check, how it is done.
+fn settings(options: &Options, whole: bool) -> Vec<String> {
     let default = check::Options::default();
     let mut words = Vec::new();
     let mut add = |option: &str, value: String| words.extend([option.to_owned(), value]);
     if let Some(profile) = options.profile {
         add("--profile", profile.name().to_owned());
     }
-    if options.budget != default.budget {
-        add("--budget", options.budget.to_string());
-    }
     if options.tolerance != check::TOLERANCE {
         add("--tolerance", options.tolerance.to_string());
     }
-    if options.distribution {
+    if whole && options.budget != default.budget {
+        add("--budget", options.budget.to_string());
+    }
+    if whole && options.distribution {
         words.push("--distribution".to_owned());
     }
     words

@@ -1,4 +1,4 @@
-//! `brdf check`: the judge over built-in materials, stack files, and what else can be read.
+//! `brdf check`: the judge over stacks, materials, and what else can be read.
 
 mod again;
 mod pinned;
@@ -11,6 +11,7 @@ pub(crate) mod terminal;
 mod twins;
 
 use crate::failure::Failure;
+use crate::output::{Destination, Verdicts};
 use brdf::check::output::{Entry, Outcome, Run, Shard};
 use brdf::check::{self, Finding, Report, Verdict};
 use clap::Args;
@@ -73,6 +74,20 @@ pub(crate) struct Options {
     files: Files,
 }
 
+impl Options {
+    /// How a subject is judged.
+    fn settings(&self, loaded: &Loaded) -> check::Options<'static> {
+        check::Options {
+            seed: self.seed,
+            budget: self.budget,
+            profile: self.profile.or(loaded.profile).unwrap_or_default(),
+            tolerance: self.tolerance,
+            distribution: self.distribution,
+            ..check::Options::default()
+        }
+    }
+}
+
 /// The files that a report is written to.
 #[derive(Args)]
 pub(crate) struct Files {
@@ -85,20 +100,26 @@ pub(crate) struct Files {
 }
 
 impl Files {
-    /// Writes what was asked for.
-    pub(crate) fn write(&self, run: &Run) -> Result<(), Failure> {
-        if let Some(path) = &self.junit {
-            write(path, &run.to_junit())?;
-        }
-        if let Some(path) = &self.html {
-            write(path, &run.to_html())?;
-        }
-        Ok(())
+    /// Tries whether they can be written, before anything is judged.
+    pub(crate) fn open(&self) -> Result<Reports, Failure> {
+        let tried = |path: &Option<PathBuf>| path.as_deref().map(Destination::new).transpose();
+        Ok(Reports { junit: tried(&self.junit)?, html: tried(&self.html)? })
     }
 }
 
-fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    std::fs::write(path, text).map_err(|error| format!("{}: {error}", path.display()).into())
+/// [`Files`] that can be written.
+pub(crate) struct Reports {
+    junit: Option<Destination>,
+    html: Option<Destination>,
+}
+
+impl Reports {
+    /// Writes what was asked for: all of it or nothing.
+    pub(crate) fn write(&self, run: &Run) -> Result<(), Failure> {
+        let junit = self.junit.iter().map(|file| (file, run.to_junit()));
+        let html = self.html.iter().map(|file| (file, run.to_html()));
+        Destination::write_all(&junit.chain(html).collect::<Vec<_>>())
+    }
 }
 
 /// Reads a JSON report.
@@ -139,6 +160,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
         return prove::run(&options.prove, &options.reading, &sources);
     }
     let baseline = options.baseline.as_deref().map(read_run).transpose()?;
+    let reports = options.files.open()?;
     let twins = Twins::open(options.no_twins, options.adapter.as_deref())?;
     if let Some(at) = &options.at {
         return see(options, &sources, at, &twins);
@@ -166,8 +188,8 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
     progress.finish_and_clear();
 
     let acceptance = baseline.map(|baseline| run.accept(&baseline));
-    options.files.write(&run)?;
-    let mut out = io::stdout().lock();
+    reports.write(&run)?;
+    let mut out = Verdicts::new();
     if options.json {
         out.write_all(run.to_json().as_bytes())?;
     } else {
@@ -195,15 +217,7 @@ fn judge(
         progress.set_length(total as u64);
         progress.set_position(done as u64);
     };
-    let settings = check::Options {
-        seed: options.seed,
-        budget: options.budget,
-        profile: options.profile.or(loaded.profile).unwrap_or_default(),
-        tolerance: options.tolerance,
-        distribution: options.distribution,
-        progress: Some(&follow),
-        ..check::Options::default()
-    };
+    let settings = check::Options { progress: Some(&follow), ..options.settings(loaded) };
     let mut report = loaded.judged.check(&settings);
     if let Some(fault) = loaded.fault() {
         return Ok(Err(fault));
@@ -235,7 +249,7 @@ fn see(options: &Options, sources: &[Source], at: &place::At, twins: &Twins) -> 
     let loaded = options.reading.load(source).map_err(|refusal| refusal.reason)?;
     let values = loaded.judged.values(&at.parameters);
     loaded.judged.knows(&at.parameters)?;
-    let verdict = place::print(&mut io::stdout().lock(), &loaded, &values, at, options.seed, twins)?;
+    let verdict = place::print(&mut Verdicts::new(), &loaded, &values, at, &options.settings(&loaded), twins)?;
     if let Some(fault) = loaded.fault() {
         return Err(fault.into());
     }

@@ -4,7 +4,7 @@ use brdf::check::{Family, Parameter, Scale, Subject};
 
 /// A family some of whose parameters are set, and some ranges changed.
 pub(super) struct Pinned {
-    family: Box<dyn Family>,
+    family: Box<dyn Family + Send>,
     /// The parameters that are still open.
     open: Vec<Parameter>,
     /// For each parameter of the family: its value, or which of the open ones it is.
@@ -16,10 +16,7 @@ pub(super) struct Pinned {
 /// # Errors
 ///
 /// A text that is neither, with what is; a name that the family lacks, with those it has; a value outside of its range.
-pub(super) fn pin(family: Box<dyn Family>, values: &[String], ranges: &[String]) -> Result<Box<dyn Family>, String> {
-    if values.is_empty() && ranges.is_empty() {
-        return Ok(family);
-    }
+pub(super) fn pin(family: Box<dyn Family + Send>, values: &[String], ranges: &[String]) -> Result<Pinned, String> {
     let mut parameters = family.parameters().to_vec();
     let known: Vec<String> = parameters.iter().map(|parameter| parameter.name.clone()).collect();
     let find = |name: &str, option: &str| {
@@ -64,11 +61,22 @@ pub(super) fn pin(family: Box<dyn Family>, values: &[String], ranges: &[String])
             })
         })
         .collect();
-    Ok(Box::new(Pinned { family, open, slots }))
+    Ok(Pinned { family, open, slots })
 }
 
 fn number(text: &str) -> Option<f64> {
     text.parse().ok().filter(|x: &f64| x.is_finite())
+}
+
+impl Pinned {
+    /// The values of all parameters, of those of the open ones.
+    pub(super) fn whole(&self, values: &[f64]) -> Vec<f64> {
+        let value = |slot: &Result<f64, usize>| match *slot {
+            Ok(value) => value,
+            Err(index) => values.get(index).copied().unwrap_or_else(|| self.open[index].default),
+        };
+        self.slots.iter().map(value).collect()
+    }
 }
 
 impl Family for Pinned {
@@ -81,11 +89,7 @@ impl Family for Pinned {
     }
 
     fn subject(&self, values: &[f64]) -> Box<dyn Subject + '_> {
-        let value = |slot: &Result<f64, usize>| match *slot {
-            Ok(value) => value,
-            Err(index) => values.get(index).copied().unwrap_or_else(|| self.open[index].default),
-        };
-        self.family.subject(&self.slots.iter().map(value).collect::<Vec<_>>())
+        self.family.subject(&self.whole(values))
     }
 }
 
@@ -121,7 +125,7 @@ mod tests {
         }
     }
 
-    fn three() -> Box<dyn Family> {
+    fn three() -> Box<dyn Family + Send> {
         let parameter =
             |name: &str| Parameter { name: name.into(), low: 0.0, high: 1.0, default: 0.5, scale: Scale::Linear };
         Box::new(Three(["a", "b", "c"].map(parameter).into()))

@@ -3,7 +3,7 @@
 use super::subjects::Loaded;
 use super::twins::Twins;
 use brdf::Vector;
-use brdf::check::{Effort, Fixed, Subject, TOLERANCE, Verdict, albedo, reciprocity};
+use brdf::check::{self, Check, Effort, Fixed, Place, Profile, Subject, Verdict, albedo, reciprocity};
 use std::io::{self, Write};
 
 /// A place to see again, of one member.
@@ -72,22 +72,22 @@ impl At {
 /// More than a check spends on one direction: this is the only one.
 const EFFORT: Effort = Effort { target: 2e-5, evaluations: 300_000, replicates: 16, samples: 2048, seed: 1 };
 
-/// Evaluates the place and prints what is there; returns the verdict on that alone.
+/// Evaluates the place and prints what is there; returns the verdict on that alone, as the settings judge it.
 pub(super) fn print(
     out: &mut impl Write,
     loaded: &Loaded,
     values: &[f64],
     at: &At,
-    seed: u32,
+    settings: &check::Options<'_>,
     twins: &Twins,
 ) -> io::Result<Verdict> {
     loaded.judged.member(values, |subject| {
         writeln!(out, "{}", subject.name())?;
         match at.directions {
-            Directions::Marginal { theta, phi, fixed } => marginal(out, subject, theta, phi, fixed, seed),
+            Directions::Marginal { theta, phi, fixed } => marginal(out, subject, theta, phi, fixed, settings),
             Directions::Pair { wi, wo } => {
                 let gpu = loaded.on_gpu(values, twins, &[(wi.cast(), wo.cast())]);
-                pair(out, subject, wi, wo, gpu.as_deref())
+                pair(out, subject, wi, wo, gpu.as_deref(), settings)
             }
         }
     })
@@ -99,13 +99,13 @@ fn marginal(
     theta: f64,
     phi: f64,
     fixed: Fixed,
-    seed: u32,
+    settings: &check::Options<'_>,
 ) -> io::Result<Verdict> {
-    let albedo = albedo(subject, theta, phi, fixed, &Effort { seed, ..EFFORT });
+    let albedo = albedo(subject, theta, phi, fixed, &Effort { seed: settings.seed, ..EFFORT });
     let mut verdict = Verdict::Pass;
     writeln!(out, "  albedo at θ={theta}° φ={phi}° [{} fixed]", fixed.name())?;
     for (channel, (&value, &error)) in albedo.value.iter().zip(&albedo.error).enumerate() {
-        let judged = Verdict::of(value, error, 1.0, TOLERANCE);
+        let judged = Verdict::of(value, error, 1.0, settings.tolerance);
         let name = subject.channel_name(channel);
         writeln!(out, "  {name:12} {value:.6} ± {error:.1e} {judged}")?;
         verdict = verdict.max(judged);
@@ -122,7 +122,17 @@ fn marginal(
         writeln!(out, "  {} samples were not finite and count as 0", albedo.non_finite)?;
         verdict = verdict.max(Verdict::Inconclusive);
     }
-    Ok(verdict)
+    let place = Place::Marginal { theta, phi, fixed };
+    advise(out, settings.profile, verdict, settings.profile.binds(Check::Energy, place))
+}
+
+/// The verdict that counts, and a line where what was found only advises.
+fn advise(out: &mut impl Write, profile: Profile, found: Verdict, binds: bool) -> io::Result<Verdict> {
+    if binds || found == Verdict::Pass {
+        return Ok(found);
+    }
+    writeln!(out, "  {found}, which only advises under --profile {}", profile.name())?;
+    Ok(Verdict::Pass)
 }
 
 /// What rounds to a negative number in f32 is no fault of the model's.
@@ -134,17 +144,20 @@ fn pair(
     wi: Vector<f64>,
     wo: Vector<f64>,
     gpu: Option<&[f32]>,
+    settings: &check::Options<'_>,
 ) -> io::Result<Verdict> {
     let channels = subject.channels();
     let (mut forth, mut back, mut single) = (vec![0.0; channels], vec![0.0; channels], vec![0.0f32; channels]);
     subject.evaluate(wi, wo, &mut forth);
     subject.evaluate(wo, wi, &mut back);
-    let mut fine = forth.iter().all(|f| f.is_finite() && *f >= -1e-12);
+    // What a measurement may be below 0 by is its own matter.
+    let below = if settings.profile == Profile::Measured { settings.tolerance } else { 0.0 };
+    let mut sound = forth.iter().all(|f| f.is_finite() && *f >= -below.max(1e-12));
     let list = |f: &[f64]| f.iter().map(|f| format!("{f}")).collect::<Vec<_>>().join(", ");
     let narrow = |f: &[f32]| f.iter().map(|f| format!("{f}")).collect::<Vec<_>>().join(", ");
     writeln!(out, "  f(wi, wo) f64  {}", list(&forth))?;
     if subject.evaluate_single(wi.cast(), wo.cast(), &mut single) {
-        fine &= single.iter().all(|f| f.is_finite() && f64::from(*f) >= -ROUNDING);
+        sound &= single.iter().all(|f| f.is_finite() && f64::from(*f) >= -below.max(ROUNDING));
         writeln!(out, "  f(wi, wo) f32  {}", narrow(&single))?;
     }
     if let Some(gpu) = gpu {
@@ -158,8 +171,10 @@ fn pair(
     } else {
         writeln!(out, "  both orders cannot be compared: not finite")?;
     }
-    fine &= difference <= reciprocity::TOLERANCE;
-    Ok(if fine { Verdict::Pass } else { Verdict::Fail })
+    let verdict = |fine| if fine { Verdict::Pass } else { Verdict::Fail };
+    let binds = settings.profile.binds(Check::Reciprocity, Place::Pair { wi, wo });
+    let mutual = advise(out, settings.profile, verdict(difference <= reciprocity::TOLERANCE), binds)?;
+    Ok(verdict(sound).max(mutual))
 }
 
 #[cfg(test)]

@@ -2,10 +2,11 @@
 
 use super::subjects::{Reading, Source};
 use crate::failure::Failure;
+use crate::output::Verdicts;
 use brdf::check::Verdict;
 use brdf::check::prove::{Directions, Options};
 use clap::Args;
-use std::io::{self, Write};
+use std::io::Write;
 use std::process::ExitCode;
 
 /// What is to be proved, and where.
@@ -37,7 +38,7 @@ fn cosine(text: &str) -> Result<f64, String> {
 pub(super) fn run(asked: &Prove, reading: &Reading, sources: &[Source]) -> Result<ExitCode, Failure> {
     let directions = Directions { least_cosine: asked.least_cosine, isotropic: asked.isotropic };
     let options = Options { directions, boxes: asked.boxes };
-    let mut out = io::stdout().lock();
+    let mut out = Verdicts::new();
     let mut verdict = Verdict::Pass;
     for source in sources {
         let loaded = reading.load(source).map_err(|refusal| refusal.reason)?;

@@ -4,14 +4,14 @@ use super::pinned::pin;
 use super::shaders::Shaders;
 use super::twins::Twins;
 use crate::failure::Failure;
-use crate::material::{self, AnyStack, Change, Material};
+use crate::material::{self, AnyStack, Change, Material, Varying};
 use brdf::Vector;
 use brdf::check::explorer::Explorer;
 use brdf::check::merl::Merl;
 use brdf::check::output::Figures;
 use brdf::check::shader::Language;
 use brdf::check::sniff::{Kind, Refused, sniff};
-use brdf::check::{self, Family, Profile, Report, StackSubject, Subject};
+use brdf::check::{self, Family, MaterialFamily, Profile, Report, StackSubject, Subject};
 use brdf::gpu::Gpu;
 use brdf::layered::{Model, Widths};
 use clap::Args;
@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// What is judged, and how it is read.
 #[derive(Args)]
 pub(crate) struct Reading {
-    /// Built-in materials, files or folders of files; without any, every built-in material.
+    /// Built-in stacks or materials, files or folders of files; without any, every built-in stack.
     subjects: Vec<String>,
     /// The model to judge stacks under, in place of their own.
     #[arg(long, value_parser = material::model)]
@@ -167,10 +167,10 @@ impl Reading {
         if let Some(file) = self.shaders.file() {
             sources.push(given(file.clone()));
         } else if self.subjects.is_empty() {
-            sources.extend(material::built_in().into_iter().map(|material| given(material.name)));
+            sources.extend(material::stacks().into_iter().map(|material| given(material.name)));
         }
         for subject in &self.subjects {
-            if brdf::material::stack::by_name(subject).is_none() && Path::new(subject).is_dir() {
+            if !material::is_built_in(subject) && Path::new(subject).is_dir() {
                 walk(Path::new(subject), &mut sources)?;
             } else {
                 sources.push(given(subject.clone()));
@@ -212,8 +212,8 @@ impl Reading {
             }
             return Ok(self.shaders.load(name, Language::Wgsl, &self.values, &self.ranges)?);
         }
-        if brdf::material::stack::by_name(name).is_some() || !Path::new(name).exists() {
-            return Ok(self.load_stack(name)?);
+        if material::is_built_in(name) || !Path::new(name).exists() {
+            return Ok(self.load_material(name)?);
         }
         let at = |error: &dyn std::fmt::Display| format!("{name}: {error}");
         let bytes = std::fs::read(name).map_err(|error| at(&error))?;
@@ -242,13 +242,37 @@ impl Reading {
                 Ok(Loaded {
                     profile: Some(profile),
                     fault: Some(Box::new(fault)),
-                    ..Loaded::new(Judged::Family(family.map_err(|error| at(&error))?), "BRDF Explorer")
+                    ..Loaded::new(Judged::Family(Box::new(family.map_err(|error| at(&error))?)), "BRDF Explorer")
                 })
             }
-            Kind::Stack => Ok(self.load_stack(name)?),
+            Kind::Stack => Ok(self.load_material(name)?),
             Kind::Wgsl => Ok(self.shaders.load(name, Language::Wgsl, &self.values, &self.ranges)?),
             Kind::Glsl => Ok(self.shaders.load(name, Language::Glsl, &self.values, &self.ranges)?),
         }
+    }
+
+    /// A stack or a material, by name or from a file of TOML.
+    fn load_material(&self, name: &str) -> Result<Loaded, String> {
+        let family = match material::varying(name)? {
+            None => return self.load_stack(name),
+            Some(Varying::BuiltIn) => MaterialFamily::built_in(name).ok_or_else(|| format!("{name} cannot be made"))?,
+            Some(Varying::File(file)) => {
+                MaterialFamily::new(file.name.unwrap_or_else(|| name.to_owned()), &file.material)
+            }
+        };
+        let option = self.model.map(|_| "--model").or(self.widths.map(|_| "--widths"));
+        if let Some(option) = option {
+            return Err(format!("{name}: {option} is about stacks, and this material says itself what its layers do"));
+        }
+        let family = Arc::new(family);
+        let pinned = pin(Box::new(Shared(Arc::clone(&family))), &self.values, &self.ranges);
+        let pinned = Arc::new(pinned.map_err(|error| format!("{name}: {error}"))?);
+        let (faulty, whole) = (Arc::clone(&family), Arc::clone(&pinned));
+        Ok(Loaded {
+            fault: Some(Box::new(move || faulty.error().map(str::to_owned))),
+            gpu: Some(Box::new(move |gpu, values, pairs| family.evaluate_on(gpu, &whole.whole(values), pairs))),
+            ..Loaded::new(Judged::Family(Box::new(Shared(pinned))), "material")
+        })
     }
 
     fn load_stack(&self, name: &str) -> Result<Loaded, String> {

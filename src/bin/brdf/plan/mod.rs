@@ -16,7 +16,7 @@ use std::process::ExitCode;
 /// What `brdf plan` is asked for.
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Built-in materials, stack files, or folders of stack files: several are planned as a scene.
+    /// Built-in stacks, stack files, or folders of stack files: several are planned as a scene.
     #[arg(required_unless_present = "rules")]
     stacks: Vec<String>,
     /// The largest error of F with which conductors may be fitted.
