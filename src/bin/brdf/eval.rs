@@ -283,7 +283,7 @@ mod tests {
             (r#"{"term": "fresnel.dielectric", "cos": 0.5}"#, "`eta` is missing; the term reads cos, eta"),
             (r#"{"term": "fresnel.dielectric", "cos": 2, "eta": 1.5}"#, "`cos` is 2, it must be a number in [0, 1]"),
             (r#"{"term": "distribution.ggx", "h": [0, 0], "alpha": 1}"#, "`h` is [0,0], it must be three numbers"),
-            (r#"{"term": "stack", "stack": "nothing"}"#, "nothing is neither a built-in material"),
+            (r#"{"term": "stack", "stack": "nothing"}"#, "nothing is neither a built-in stack or material"),
             (r#"{"term": "stack", "stack": {"layer": []}, "wi": [0, 0, 1], "wo": [0, 0, 1]}"#, "stack: "),
             (r#"{"term": "stack", "stack": "glass", "model": "x"}"#, "`x` is no model; there are elek"),
             (r#"{"term": "stack", "stack": "glass", "wi": [0, 0, 2], "wo": [0, 0, 1]}"#, "`wi` is [0,0,2]"),
