@@ -79,7 +79,10 @@ impl Bvh {
     /// returns the distance to look within from then on; 0 ends it.
     #[inline]
     pub fn walk<R: Number>(&self, ray: &Ray<R>, within: R, mut meet: impl FnMut(usize, R) -> R) {
-        let inverse = [ray.direction.x, ray.direction.y, ray.direction.z].map(|x| R::ONE / x);
+        // A ray along a wall would be 0·∞ = NaN from it: within the wall, so nearly along it, it is inside.
+        let least = R::from_f64(1e-20);
+        let inverse = [ray.direction.x, ray.direction.y, ray.direction.z]
+            .map(|x| R::ONE / if least.lt(x.abs()) { x } else { least });
         let origin = [ray.origin.x, ray.origin.y, ray.origin.z];
         // Where a box begins; none where the ray passes it by.
         let enters = |node: &Node, within: R| {
@@ -87,7 +90,6 @@ impl Bvh {
             for axis in 0..3 {
                 let wall = |x: f32| (R::from_f64(f64::from(x)) - origin[axis]) * inverse[axis];
                 let (a, b) = (wall(node.low[axis]), wall(node.high[axis]));
-                // 0·∞ is NaN, which `min` and `max` pass over: a ray within a wall is inside.
                 near = near.max(a.min(b));
                 far = far.min(a.max(b) * (R::ONE + R::TWO * R::TWO * R::EPSILON));
             }
