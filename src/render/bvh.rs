@@ -9,6 +9,10 @@ use super::shape::Ray;
 /// Triangles in a leaf, at most.
 const LEAF: usize = 4;
 
+/// How far boxes reach beyond their triangles, whose corners are within the unit sphere and rounded to 6e-8: a ray within the outer wall of two
+/// triangles is inside the boxes of both.
+const MARGIN: f32 = 1e-6;
+
 /// Deeper than any hierarchy of 2³² triangles.
 const STACK: usize = 32;
 
@@ -57,7 +61,8 @@ impl Bvh {
         }
         let place = self.nodes.len();
         let count = order.len();
-        self.nodes.push(Node { low, first: first as u32, high, count: count as u32 });
+        let (outer_low, outer_high) = (low.map(|x| x - MARGIN), high.map(|x| x + MARGIN));
+        self.nodes.push(Node { low: outer_low, first: first as u32, high: outer_high, count: count as u32 });
         if count <= LEAF {
             return;
         }

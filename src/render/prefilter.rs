@@ -7,8 +7,8 @@
 //! Between levels lookups are linear in α, within them bilinear. Twin: `wgsl/environment.wgsl`; the same texels.
 //!
 //! A level is summed, not sampled. Texels of an octahedral map differ by 3√3 in solid angle, so rays that suit one fall between others; instead every
-//! part of the sphere counts once, in squares of a pyramid that are at most a quarter of the lobe wide, each from where its light has its centre. What
-//! remains is the square of that quarter, under 1 % of a lobe's peak, and what bilinear texels leave out: [`SIDES`].
+//! part of the sphere counts once, in squares of a pyramid that are at most a quarter of the lobe wide where it counts, each from where its light has its
+//! centre. What remains is the square of that quarter, under 1 % of a lobe's peak, and what bilinear texels leave out: [`SIDES`].
 
 use super::environment::Environment;
 use super::octahedral::Map;
@@ -154,6 +154,7 @@ fn children(side: usize, index: usize) -> [usize; 4] {
 ///
 /// Of a facet's normal at θ_h, with V = N at the lobe's middle, the light is at 2θ_h and |l − r|² = d = 4·sin²θ_h: tan² is d/(4−d), and D/4 the density
 /// over light. The cosine of the light is 1 − d/2.
+#[cfg(test)]
 fn weight(alpha: f64, squared: f64) -> f64 {
     let cosine = 1.0 - 0.5 * squared;
     if alpha >= 1.0 || cosine <= 0.0 {
@@ -165,51 +166,60 @@ fn weight(alpha: f64, squared: f64) -> f64 {
     16.0 * (-squared * inverse / (alpha * alpha)).exp() * inverse * inverse
 }
 
-/// [`weight`] as a table over the squared distance: between its steps linear, to 1e-5 of itself.
-#[derive(Clone, Debug)]
+/// Texels of a block.
+const LANES: usize = BLOCK * BLOCK;
+
+/// The exponent beyond which a lobe's weight does not fall: e⁻¹².
+const DEEPEST: f64 = 12.0;
+
+/// A lobe around a direction.
+#[derive(Clone, Copy, Debug)]
 struct Lobe {
     alpha: f64,
-    table: Vec<f32>,
-    /// Steps of the table to a unit.
-    scale: f32,
 }
 
 impl Lobe {
-    const STEPS: usize = 2048;
-
-    fn new(alpha: f64) -> Self {
-        // Beyond this less than e⁻⁹ of the middle's weight is left; the horizon at most.
-        let sine = (3.0 * alpha).atan().sin();
-        let most = (4.0 * sine * sine).min(2.0);
-        let step = most / Self::STEPS as f64;
-        // The last step ends at the horizon from above.
-        let at = |i: usize| weight(alpha, (i as f64 * step).min(2.0f64.next_down())) as f32;
-        Lobe { alpha, table: (0..=Self::STEPS).map(at).collect(), scale: (1.0 / step) as f32 }
-    }
-
+    /// [`weight`] in f32, of many at once: to 1e-6 of the middle's.
+    ///
+    /// e^−y is the sixteenth power of Padé's approximant of e^−z at z = y/16 ≤ 1, which is off by z⁵/720.
     #[inline(always)]
-    fn weight(&self, squared: f32) -> f32 {
-        let place = squared * self.scale;
-        let step = place as usize;
-        match self.table.get(step..step + 2) {
-            Some([a, b]) => a + (b - a) * (place - step as f32),
-            _ => 0.0,
+    fn weights(self, squared: [f32; LANES]) -> [f32; LANES] {
+        if self.alpha >= 1.0 {
+            return squared.map(|squared| (1.0 - 0.5 * squared).max(0.0));
         }
+        let scale = (1.0 / (16.0 * self.alpha * self.alpha)) as f32;
+        squared.map(|squared| {
+            // At least 2 above the horizon.
+            let inverse = 1.0 / (4.0 - squared).max(2.0);
+            let z = (squared * inverse * scale).min(1.0);
+            let (even, odd) = (1.0 + z * z * (1.0 / 12.0), 0.5 * z);
+            let root = (even - odd) / (even + odd);
+            let (second, above) = (root * root, if squared < 2.0 { 16.0 } else { 0.0 });
+            let eighth = second * second * second * second;
+            eighth * eighth * inverse * inverse * above
+        })
     }
 
-    /// The angle beyond which nothing counts.
-    fn reach(&self) -> f64 {
-        (2.0 * (3.0 * self.alpha).atan()).min(core::f64::consts::FRAC_PI_2)
+    /// The exponent of the weight of light at this angle from the lobe's middle.
+    fn exponent(self, angle: f64) -> f64 {
+        let tan = (0.5 * angle).tan();
+        if self.alpha >= 1.0 { 0.0 } else { tan * tan / (self.alpha * self.alpha) }
     }
 
-    /// How wide squares may be: a quarter of the angle 2α at which 1/e is left, and little enough to follow the horizon.
-    fn grain(&self) -> f64 {
-        (0.5 * self.alpha).min(0.05)
+    /// The angle beyond which nothing counts: the horizon, or what the deepest exponent leaves.
+    fn reach(self) -> f64 {
+        (2.0 * (self.alpha * DEEPEST.sqrt()).atan()).min(core::f64::consts::FRAC_PI_2)
+    }
+
+    /// How wide a square may be that light comes from at this angle, at least: a quarter of the angle 2α at which 1/e is left, more where less counts,
+    /// and little enough to follow the horizon.
+    fn grain(self, angle: f64) -> f64 {
+        (0.5 * self.alpha * (self.exponent(angle) / 3.0).min(4.0).exp()).min(0.07)
     }
 }
 
 /// The squares that light around a block of texels comes from, each fine enough.
-fn around(pyramid: &[(usize, Vec<Square>)], lobe: &Lobe, middle: Vector<f64>, radius: f64) -> Vec<Square> {
+fn around(pyramid: &[(usize, Vec<Square>)], lobe: Lobe, middle: Vector<f64>, radius: f64) -> Vec<Square> {
     let mut found = Vec::new();
     let last = pyramid.len().saturating_sub(1);
     let mut waiting: Vec<(usize, usize)> =
@@ -220,13 +230,12 @@ fn around(pyramid: &[(usize, Vec<Square>)], lobe: &Lobe, middle: Vector<f64>, ra
         };
         let width = f64::from(square.solid).sqrt();
         let apart = middle.dot(Vector::from(square.towards.map(f64::from))).clamp(-1.0, 1.0).acos();
+        if level == 0 || width <= lobe.grain((apart - radius - width).max(0.0)) {
+            if apart <= lobe.reach() + radius {
+                found.push(*square);
+            }
         // A square is a rhombus of up to 60°, whose longer diagonal is 1.86 of its width; its light may lie at one end.
-        if apart > lobe.reach() + radius + 2.0 * width {
-            continue;
-        }
-        if level == 0 || width <= lobe.grain() {
-            found.push(*square);
-        } else {
+        } else if apart <= lobe.reach() + radius + 2.0 * width {
             waiting.extend(children(side, index).map(|child| (level - 1, child)));
         }
     }
@@ -234,30 +243,37 @@ fn around(pyramid: &[(usize, Vec<Square>)], lobe: &Lobe, middle: Vector<f64>, ra
 }
 
 fn blurred(pyramid: &[(usize, Vec<Square>)], alpha: f64, side: usize) -> Map {
-    let lobe = Lobe::new(alpha);
+    let lobe = Lobe { alpha };
     let blocks = side / BLOCK;
     let block = |block: usize| {
         let texel =
             |i: usize| Map::centre(side, block % blocks * BLOCK + i % BLOCK, block / blocks * BLOCK + i / BLOCK).0;
-        let middle = (0..BLOCK * BLOCK).map(texel).fold(Vector::default(), |sum, w| sum + w).normalized();
-        let radius = (0..BLOCK * BLOCK).map(|i| middle.dot(texel(i)).clamp(-1.0, 1.0).acos()).fold(0.0, f64::max);
-        let squares = around(pyramid, &lobe, middle, radius);
-        core::array::from_fn::<[f32; 3], { BLOCK * BLOCK }, _>(|i| {
-            let [x, y, z] = <[f64; 3]>::from(texel(i)).map(|x| x as f32);
-            let (mut sum, mut total) = ([0.0f64; 3], 0.0f64);
-            for square in &squares {
-                let (dx, dy, dz) = (square.towards[0] - x, square.towards[1] - y, square.towards[2] - z);
-                let weight = lobe.weight(dx * dx + dy * dy + dz * dz);
-                total += f64::from(weight * square.solid);
-                for (sum, power) in sum.iter_mut().zip(square.power) {
-                    *sum += f64::from(weight * power);
+        let texels: [Vector<f64>; LANES] = core::array::from_fn(texel);
+        let middle = texels.iter().fold(Vector::default(), |sum, w| sum + *w).normalized();
+        let radius = texels.iter().map(|w| middle.dot(*w).clamp(-1.0, 1.0).acos()).fold(0.0, f64::max);
+        let [x, y, z] = [|w: &Vector<f64>| w.x, |w: &Vector<f64>| w.y, |w: &Vector<f64>| w.z]
+            .map(|axis| texels.each_ref().map(|w| axis(w) as f32));
+        let (mut sums, mut total) = ([[0.0f32; LANES]; 3], [0.0f32; LANES]);
+        for square in around(pyramid, lobe, middle, radius) {
+            let mut squared = [0.0f32; LANES];
+            for i in 0..LANES {
+                let (dx, dy, dz) = (square.towards[0] - x[i], square.towards[1] - y[i], square.towards[2] - z[i]);
+                squared[i] = dx * dx + dy * dy + dz * dz;
+            }
+            let weights = lobe.weights(squared);
+            for i in 0..LANES {
+                total[i] += weights[i] * square.solid;
+                for c in 0..3 {
+                    sums[c][i] += weights[i] * square.power[c];
                 }
             }
-            let inverse = if total > 0.0 { 1.0 / total } else { 0.0 };
-            sum.map(|x| (x * inverse) as f32)
+        }
+        core::array::from_fn::<[f32; 3], LANES, _>(|i| {
+            let inverse = if total[i] > 0.0 { 1.0 / f64::from(total[i]) } else { 0.0 };
+            [0, 1, 2].map(|c: usize| (f64::from(sums[c][i]) * inverse) as f32)
         })
     };
-    let texels: Vec<[[f32; 3]; BLOCK * BLOCK]> = (0..blocks * blocks).into_par_iter().map(block).collect();
+    let texels: Vec<[[f32; 3]; LANES]> = (0..blocks * blocks).into_par_iter().map(block).collect();
     Map::new(side, |column, row| {
         let block = texels.get(row / BLOCK * blocks + column / BLOCK);
         block.map_or([0.0; 3], |block| block[row % BLOCK * BLOCK + column % BLOCK])
@@ -301,6 +317,18 @@ mod tests {
             total += weight;
         }
         sum / total
+    }
+
+    #[test]
+    fn weights_are_those_of_the_lobe() {
+        for alpha in ALPHAS.into_iter().skip(1) {
+            for i in 0..200 {
+                let squared = (f64::from(i) / 100.0).powi(4) * 0.25;
+                let got = f64::from(Lobe { alpha }.weights([squared as f32; LANES])[3]);
+                // The last digits of f32, and where z = 1 the approximant's e⁻¹⁶.
+                assert!((got - weight(alpha, squared)).abs() < 2e-6, "{alpha}, {squared}: {got}");
+            }
+        }
     }
 
     #[test]
