@@ -72,6 +72,62 @@ fn a_stack_file_takes_a_model() {
 }
 
 #[test]
+fn a_name_of_both_kinds_takes_a_model() {
+    let folder = folder("both");
+    let mean = |model: &[&str]| {
+        let arguments = [&["varnished_concrete", "--json"], model].concat();
+        report(&render(&folder, &arguments))["mean"][0].as_f64().expect("a number")
+    };
+    // The documents' model loses what bounces under the varnish.
+    assert_ne!(mean(&["--model", "elek"]), mean(&["--model", "coupled"]));
+}
+
+#[test]
+fn nothing_is_left_of_a_picture_that_is_broken_off() {
+    let folder = folder("broken_off");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_brdf"))
+        .args(["render", "copper", "--mode", "offline", "--samples", "1000000"])
+        .current_dir(&folder)
+        .spawn()
+        .expect("brdf runs");
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    assert!(child.try_wait().expect("a child").is_none(), "it was to take longer");
+    child.kill().expect("killed");
+    child.wait().expect("ended");
+    assert_eq!(fs::read_dir(&folder).expect("a folder").count(), 0);
+}
+
+#[test]
+fn figures_are_those_of_the_documents() {
+    let folder = folder("gallery");
+    let gallery = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_brdf"));
+        command.args(["render", "--gallery"]).arg(&folder).args(arguments).output().expect("brdf runs")
+    };
+    let made = report(&gallery(&["--only", "tables", "--json"]));
+    assert_eq!(made.as_array().map(Vec::len), Some(2), "{made}");
+    for name in ["distribution_tables.png", "tables.png"] {
+        let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/img/gallery").join(name);
+        let [made, kept] = [folder.join(name), kept].map(|path| image::open(path).expect("a picture").into_rgb8());
+        assert_eq!(made.dimensions(), kept.dimensions(), "{name}");
+        // Closed forms in f64: what another system's functions round otherwise may move a byte by one.
+        let most = made.as_raw().iter().zip(kept.as_raw()).map(|(a, b)| a.abs_diff(*b)).max();
+        assert!(most <= Some(1), "{name}: a byte differs by {most:?}");
+    }
+    assert_eq!(fs::read_dir(&folder).expect("a folder").count(), 2);
+    for (arguments, said) in [
+        (&["--only", "tables", "--out", "a.png"][..], "cannot be used with"),
+        (&["--size", "16x16"], "cannot be used with"),
+        (&["--gpu"], "cannot be used with"),
+        (&["--only", "sculptures"], "no figure is called sculptures"),
+    ] {
+        let output = gallery(arguments);
+        let error = String::from_utf8(output.stderr.clone()).expect("UTF-8");
+        assert!(output.status.code() == Some(2) && error.contains(said), "{arguments:?}: {error}");
+    }
+}
+
+#[test]
 fn a_material_file_brings_its_images() {
     let folder = folder("material");
     let map = image::GrayImage::from_fn(2, 1, |x, _| image::Luma([if x == 0 { 0 } else { 255 }]));
@@ -97,8 +153,21 @@ fn bad_input_is_one_line_and_nothing_is_written() {
     let painted =
         "[[part]]\nlayer = [{ interface = { diffuse = { albedo = { image = \"absent.png\" }, sigma = 0.3 } } }]\n";
     fs::write(folder.join("painted.toml"), painted).expect("a file");
+    fs::write(folder.join("neither.toml"), "name = \"paint\"\nmodel = \"elek\"\n").expect("a file");
+    let walks = "model = \"walk\"\n[[layer]]\ninterface = { diffuse = { albedo = 0.5 } }\n";
+    fs::write(folder.join("walks.toml"), walks).expect("a file");
+    fs::create_dir(folder.join("folder.png")).expect("a folder");
     for (arguments, said) in [
-        (&["copper", "--shape", "cube"][..], "--shape cube"),
+        (&["neither.toml"][..], "neither.toml: a stack file has [[layer]]"),
+        (&["walks.toml"], "walks.toml: part[0] is under the model `walk`"),
+        (&["copper", "--model", "walk", "--mode", "offline"], "--model walk: "),
+        (&["copper", "--distance", "0.5"], "--distance 0.5: the camera is inside the sphere"),
+        (&["copper", "--distance", "1", "--shape", "torus:0.4"], "inside the torus:0.4"),
+        (&["copper", "--only", "rust"], "cannot be used with"),
+        (&["copper", "--out", "absent/a.png"], "--out absent/a.png: "),
+        (&["copper", "--out", "folder.png"], "--out folder.png: a folder is in the way"),
+        (&["copper", "--light", "point:0,0,1e60"], "a coordinate of 1e60"),
+        (&["copper", "--shape", "cube"], "--shape cube"),
         (&["copper", "--shape", "torus:2"], "[0.01, 0.99]"),
         (&["copper", "--shape", "empty.obj"], "empty.obj: no triangles"),
         (&["copper", "--shape", "absent.obj"], "absent.obj: "),

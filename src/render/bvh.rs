@@ -9,6 +9,10 @@ use super::shape::Ray;
 /// Triangles in a leaf, at most.
 const LEAF: usize = 4;
 
+/// How far boxes reach beyond their triangles, whose corners are within the unit sphere and rounded to 6e-8: a ray within the outer wall of two
+/// triangles is inside the boxes of both.
+const MARGIN: f32 = 1e-6;
+
 /// Deeper than any hierarchy of 2³² triangles.
 const STACK: usize = 32;
 
@@ -57,7 +61,8 @@ impl Bvh {
         }
         let place = self.nodes.len();
         let count = order.len();
-        self.nodes.push(Node { low, first: first as u32, high, count: count as u32 });
+        let (outer_low, outer_high) = (low.map(|x| x - MARGIN), high.map(|x| x + MARGIN));
+        self.nodes.push(Node { low: outer_low, first: first as u32, high: outer_high, count: count as u32 });
         if count <= LEAF {
             return;
         }
@@ -79,7 +84,10 @@ impl Bvh {
     /// returns the distance to look within from then on; 0 ends it.
     #[inline]
     pub fn walk<R: Number>(&self, ray: &Ray<R>, within: R, mut meet: impl FnMut(usize, R) -> R) {
-        let inverse = [ray.direction.x, ray.direction.y, ray.direction.z].map(|x| R::ONE / x);
+        // A ray along a wall would be 0·∞ = NaN from it: within the wall, so nearly along it, it is inside.
+        let least = R::from_f64(1e-20);
+        let inverse = [ray.direction.x, ray.direction.y, ray.direction.z]
+            .map(|x| R::ONE / if least.lt(x.abs()) { x } else { least });
         let origin = [ray.origin.x, ray.origin.y, ray.origin.z];
         // Where a box begins; none where the ray passes it by.
         let enters = |node: &Node, within: R| {
@@ -87,7 +95,6 @@ impl Bvh {
             for axis in 0..3 {
                 let wall = |x: f32| (R::from_f64(f64::from(x)) - origin[axis]) * inverse[axis];
                 let (a, b) = (wall(node.low[axis]), wall(node.high[axis]));
-                // 0·∞ is NaN, which `min` and `max` pass over: a ray within a wall is inside.
                 near = near.max(a.min(b));
                 far = far.min(a.max(b) * (R::ONE + R::TWO * R::TWO * R::EPSILON));
             }

@@ -4,6 +4,12 @@ use super::Number;
 use super::shape::Ray;
 use crate::frame::Vector;
 
+/// The most pixels of a picture.
+pub const MOST_PIXELS: u64 = 1 << 26;
+
+/// What a pixel takes of memory while a picture is made: twice a tally of 56 bytes, mean and variance, and what is encoded.
+const PIXEL_BYTES: u64 = 150;
+
 /// Where the viewer is, and how much of the world a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orbit {
@@ -40,7 +46,7 @@ impl Camera {
     /// A camera of so many pixels.
     ///
     /// # Errors
-    /// Names what is out of range: a picture without pixels or of more than 2²⁸, and the ranges of [`Orbit`].
+    /// Names what is out of range: a picture without pixels or of more than [`MOST_PIXELS`], and the ranges of [`Orbit`].
     pub fn new(orbit: &Orbit, width: u32, height: u32) -> Result<Self, String> {
         let range = |name: &str, value: f64, low: f64, high: f64| {
             if value >= low && value <= high {
@@ -49,8 +55,16 @@ impl Camera {
                 Err(format!("{name} is {value}; it lies in [{low}, {high}]"))
             }
         };
-        if width == 0 || height == 0 || u64::from(width) * u64::from(height) > 1 << 28 {
-            return Err(format!("a picture of {width}×{height}; it has at least 1×1 and at most 2²⁸ pixels"));
+        let pixels = u64::from(width) * u64::from(height);
+        if pixels == 0 {
+            return Err(format!("a picture of {width}×{height} pixels; it has at least 1×1"));
+        }
+        if pixels > MOST_PIXELS {
+            let gigabytes = |pixels: u64| (pixels as f64 * PIXEL_BYTES as f64 * 1e-9).round();
+            let (needs, most) = (gigabytes(pixels), gigabytes(MOST_PIXELS));
+            return Err(format!(
+                "a picture of {width}×{height} pixels needs {needs} GB of memory; it has at most 2²⁶ pixels, which take {most} GB"
+            ));
         }
         range("the azimuth", orbit.azimuth, -3600.0, 3600.0)?;
         range("the elevation", orbit.elevation, -89.9, 89.9)?;
@@ -131,7 +145,9 @@ mod tests {
     #[test]
     fn sizes_and_angles_have_ranges() {
         let orbit = Orbit::default();
-        assert!(Camera::new(&orbit, 0, 4).is_err() && Camera::new(&orbit, 1 << 15, 1 << 15).is_err());
+        assert!(Camera::new(&orbit, 0, 4).is_err() && Camera::new(&orbit, 1 << 13, 1 << 13).is_ok());
+        let error = Camera::new(&orbit, 1 << 15, 1 << 15).expect_err("too many");
+        assert!(error.contains("32768×32768 pixels needs 161 GB") && error.contains("10 GB"), "{error}");
         assert!(Camera::new(&Orbit { field: f64::NAN, ..orbit }, 4, 4).is_err());
         assert!(Camera::new(&Orbit { elevation: 90.0, ..orbit }, 4, 4).is_err());
     }

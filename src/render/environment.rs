@@ -11,11 +11,15 @@
 //! # Files
 //!
 //! Equirectangular `.hdr` or `.exr` maps, twice as wide as high. The left edge is +x, columns turn clockwise seen from above, the top
-//! row is +z.
+//! row is +z. What a `.hdr` file says it was multiplied by (`EXPOSURE=`, `COLORCORR=`) is divided out again. A file may take 4 GiB when it is read,
+//! which 16384×8192 texels fit; whatever its size, a map of at most 2048² texels is kept.
 
 use super::octahedral::{self, Map};
 use crate::frame::Vector;
 use crate::real::{Mask, Real};
+use image::codecs::hdr::HdrDecoder;
+use std::fs::File;
+use std::io::BufReader;
 use std::path::Path;
 
 /// The sides that a map may have: the finest is 64 MiB.
@@ -23,6 +27,9 @@ const SIDES: core::ops::RangeInclusive<usize> = 64..=2048;
 
 /// The squares to a side that directions are drawn from, at most: their table is 128 kB, which stays in a processor's cache.
 pub(crate) const SQUARES: usize = 128;
+
+/// The memory that the texels of a file may take.
+const MOST_BYTES: u64 = 1 << 32;
 
 /// Points of a texel, along either axis, that a map made from a file averages.
 const OVERSAMPLING: usize = 4;
@@ -66,19 +73,37 @@ impl Environment {
     ///
     /// # Errors
     /// One line: the file, what is wrong with it, and where. Files that are no images, maps that are not twice as wide as
-    /// high, texels that are negative, infinite or not a number.
+    /// high or take more than 4 GiB, texels that are negative, infinite or not a number.
     pub fn read(path: &Path) -> Result<Self, String> {
+        Self::read_within(path, MOST_BYTES)
+    }
+
+    fn read_within(path: &Path, most: u64) -> Result<Self, String> {
         let place = path.display();
         let decoder = image::ImageReader::open(path).map_err(|error| format!("{place}: {error}"))?;
-        let decoder = decoder.with_guessed_format().map_err(|error| format!("{place}: {error}"))?;
+        let mut decoder = decoder.with_guessed_format().map_err(|error| format!("{place}: {error}"))?;
+        let mut limits = image::Limits::default();
+        limits.max_alloc = Some(most);
+        decoder.limits(limits);
+        let radiance = decoder.format() == Some(image::ImageFormat::Hdr);
         match decoder.format() {
             Some(image::ImageFormat::Hdr | image::ImageFormat::OpenExr) => {}
             _ => return Err(format!("{place}: an environment is a Radiance .hdr or an OpenEXR .exr file")),
         }
-        let texels = decoder.decode().map_err(|error| format!("{place}: {error}"))?.into_rgb32f();
-        let (width, height) = (texels.width() as usize, texels.height() as usize);
-        let texels: Vec<[f32; 3]> = texels.pixels().map(|pixel| pixel.0).collect();
-        Self::from_equirectangular(width, height, &texels).map_err(|error| format!("{place}: {error}"))
+        let picture = decoder.decode().map_err(|error| match error {
+            image::ImageError::Limits(_) => {
+                let gigabytes = most as f64 / f64::from(1 << 30);
+                format!("{place}: its texels take more than {gigabytes} GiB: scale it down; what is kept of any map is 4096×2048 at most")
+            }
+            error => format!("{place}: {error}"),
+        })?;
+        let mut picture = picture.into_rgb32f();
+        if radiance && let Some(scale) = multiplied(path).map_err(|error| format!("{place}: {error}"))? {
+            picture.pixels_mut().for_each(|pixel| pixel.0 = [0, 1, 2].map(|c: usize| pixel.0[c] / scale[c]));
+        }
+        let (width, height) = (picture.width() as usize, picture.height() as usize);
+        let (texels, _) = picture.as_raw().as_chunks::<3>();
+        Self::from_equirectangular(width, height, texels).map_err(|error| format!("{place}: {error}"))
     }
 
     /// An environment of equirectangular texels, row by row from the top.
@@ -98,7 +123,7 @@ impl Environment {
         }
         let side = height.next_power_of_two().clamp(*SIDES.start(), *SIDES.end());
         let fine = side * OVERSAMPLING;
-        let map = Map::new(side, |column, row| {
+        let map = Map::in_parallel(side, |column, row| {
             let mut sum = [0.0f64; 3];
             for i in 0..OVERSAMPLING * OVERSAMPLING {
                 let (x, y) = (column * OVERSAMPLING + i % OVERSAMPLING, row * OVERSAMPLING + i / OVERSAMPLING);
@@ -193,6 +218,22 @@ impl Environment {
         let density = fourth * cube;
         density.gt(R::ZERO).any().then_some((w, radiance, density))
     }
+}
+
+/// What the header of a Radiance file says that its numbers are multiplied by, if it says so.
+fn multiplied(path: &Path) -> Result<Option<[f32; 3]>, String> {
+    let file = BufReader::new(File::open(path).map_err(|error| error.to_string())?);
+    let metadata = HdrDecoder::new(file).map_err(|error| error.to_string())?.metadata();
+    if metadata.exposure.is_none() && metadata.color_correction.is_none() {
+        return Ok(None);
+    }
+    let exposure = metadata.exposure.unwrap_or(1.0);
+    let (r, g, b) = metadata.color_correction.unwrap_or((1.0, 1.0, 1.0));
+    let scale = [r, g, b].map(|x| x * exposure);
+    if scale.iter().all(|x| *x > 0.0 && x.is_finite()) {
+        return Ok(Some(scale));
+    }
+    Err(format!("its header says EXPOSURE or COLORCORR of {scale:?}; they are above 0 and finite"))
 }
 
 /// The radiance of an equirectangular map at a direction, bilinear.
@@ -297,6 +338,28 @@ mod tests {
         assert_eq!(error, "texel (2, 1): green is NaN; radiance is finite and at least 0");
         let error = Environment::from_equirectangular(3, 2, &texels[..6]).expect_err("shape");
         assert!(error.contains("3×2"), "{error}");
+    }
+
+    #[test]
+    fn headers_and_limits_of_files_are_heeded() {
+        let folder = std::env::temp_dir().join(format!("brdf-environment-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        // Flat texels of mantissa 128 and exponent 129: 1 each.
+        let file = |header: &str| {
+            let path = folder.join("map.hdr");
+            let mut bytes = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n{header}\n-Y 2 +X 4\n").into_bytes();
+            bytes.extend([128, 128, 128, 129].repeat(8));
+            std::fs::write(&path, bytes).expect("written");
+            path
+        };
+        let up = |header: &str| Environment::read(&file(header)).map(|map| map.look(Vector::new(0.0, 0.0, 1.0f64)).0);
+        assert_eq!(up(""), Ok([1.0; 3]));
+        assert_eq!(up("EXPOSURE=2\nEXPOSURE=4\n"), Ok([0.125; 3]));
+        assert_eq!(up("EXPOSURE=0.5\nCOLORCORR=1 2 4\n"), Ok([2.0, 1.0, 0.5]));
+        assert!(up("EXPOSURE=0\n").expect_err("0").contains("map.hdr: its header says EXPOSURE"));
+        let error = Environment::read_within(&file(""), 64).expect_err("96 bytes");
+        assert!(error.contains("map.hdr: its texels take more than") && error.lines().count() == 1, "{error}");
+        let _ = std::fs::remove_dir_all(&folder);
     }
 
     #[test]

@@ -3,6 +3,9 @@
 //! An EXR file holds the radiance as it is. A PNG file holds it times 2^exposure, clipped to [0, 1] and encoded by sRGB's transfer function (IEC
 //! 61966-2-1); no other tone curve is applied, and how many pixels were clipped is said. A file appears under its name whole or not at all.
 
+use image::ImageFormat;
+use std::fs::File;
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 /// A picture.
@@ -77,17 +80,28 @@ impl Film {
 
     /// Writes a `.png` or `.exr` file. `exposure` in stops is for PNG alone. Returns how many pixels were clipped.
     ///
+    /// The file is on the disk, as far as the system tells, before it gets its name.
+    ///
     /// # Errors
-    /// One line: the file and why it cannot be written; what else was under the name stays.
+    /// One line: the file and why it cannot be written, a full disk too; what else was under the name stays.
     pub fn write(&self, path: &Path, exposure: f64) -> Result<usize, String> {
         let place = path.display();
-        let format = match path.extension().and_then(|extension| extension.to_str()) {
-            Some("png") => image::ImageFormat::Png,
-            Some("exr") => image::ImageFormat::OpenExr,
-            _ => return Err(format!("{place}: a picture is a .png or an .exr file")),
-        };
-        let unfit = || format!("{place}: {}×{} pixels do not fit the file", self.width, self.height);
-        let (picture, clipped) = if format == image::ImageFormat::Png {
+        let format = format(path)?;
+        let partial = partial_name(path);
+        let written = File::create(&partial).map_err(|error| error.to_string());
+        let written = written.and_then(|file| self.write_into(file, format, exposure));
+        let written = written
+            .and_then(|clipped| std::fs::rename(&partial, path).map(|()| clipped).map_err(|error| error.to_string()));
+        written.map_err(|error| {
+            let _ = std::fs::remove_file(&partial);
+            format!("{place}: {error}")
+        })
+    }
+
+    /// Encodes the picture into an open file and waits until it is stored: what a buffer holds back is not written yet.
+    fn write_into(&self, file: File, format: ImageFormat, exposure: f64) -> Result<usize, String> {
+        let unfit = || format!("{}×{} pixels do not fit the file", self.width, self.height);
+        let (picture, clipped) = if format == ImageFormat::Png {
             let (bytes, clipped) = self.encoded(exposure);
             let buffer = image::RgbImage::from_raw(self.width, self.height, bytes).ok_or_else(unfit)?;
             (image::DynamicImage::ImageRgb8(buffer), clipped)
@@ -96,13 +110,16 @@ impl Film {
             let buffer = image::Rgb32FImage::from_raw(self.width, self.height, all).ok_or_else(unfit)?;
             (image::DynamicImage::ImageRgb32F(buffer), 0)
         };
-        let partial = partial_name(path);
-        let written = picture.save_with_format(&partial, format).map_err(|error| error.to_string());
-        let written = written.and_then(|()| std::fs::rename(&partial, path).map_err(|error| error.to_string()));
-        written.map(|()| clipped).map_err(|error| {
-            let _ = std::fs::remove_file(&partial);
-            format!("{place}: {error}")
-        })
+        let mut writer = BufWriter::new(file);
+        picture.write_to(&mut writer, format).map_err(|error| error.to_string())?;
+        let file = writer.into_inner().map_err(|error| error.error().to_string())?;
+        file.sync_all().map_err(|error| error.to_string())?;
+        Ok(clipped)
+    }
+
+    /// How many pixels hold a number that is infinite or none.
+    pub fn not_finite(&self) -> usize {
+        self.mean.iter().filter(|pixel| !pixel.iter().all(|x| x.is_finite())).count()
     }
 
     /// The bytes of a PNG file and how many pixels exceed what it can hold.
@@ -122,6 +139,30 @@ impl Film {
 /// sRGB's transfer function on [0, 1].
 fn transfer(x: f64) -> f64 {
     if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// Whether a picture can be written under this name, asked before it is computed: an empty file is made beside it and removed again, so that
+/// nothing is left where the work is broken off.
+///
+/// # Errors
+/// One line: the file, and why not. What has no name of a `.png` or `.exr` file, a folder, and a folder that is absent or may not be written to.
+pub fn writable(path: &Path) -> Result<(), String> {
+    let place = |error: &dyn core::fmt::Display| format!("{}: {error}", path.display());
+    format(path)?;
+    if path.is_dir() {
+        return Err(place(&"a folder is in the way"));
+    }
+    let partial = partial_name(path);
+    File::create(&partial).and_then(|_| std::fs::remove_file(&partial)).map_err(|error| place(&error))
+}
+
+/// The format that a name asks for.
+fn format(path: &Path) -> Result<ImageFormat, String> {
+    match path.extension().and_then(|extension| extension.to_str()) {
+        Some("png") => Ok(ImageFormat::Png),
+        Some("exr") => Ok(ImageFormat::OpenExr),
+        _ => Err(format!("{}: a picture is a .png or an .exr file", path.display())),
+    }
 }
 
 /// A name beside the picture's own that no other process writes to.
@@ -176,8 +217,30 @@ mod tests {
         assert_eq!(back.get_pixel(0, 0).0, [0.5, 1.5, 0.25]);
         assert!(film.write(&folder.join("a.bmp"), 0.0).is_err());
         assert!(film.write(&folder.join("none").join("a.png"), 0.0).is_err());
+        assert!(writable(&folder.join("b.png")).is_ok() && writable(&folder.join("a.exr")).is_ok());
+        std::fs::create_dir(folder.join("c.png")).expect("a folder");
+        for wrong in ["a.bmp", "none/a.png", "c.png"] {
+            let error = writable(&folder.join(wrong)).expect_err(wrong);
+            assert!(error.contains(wrong) && error.lines().count() == 1, "{error}");
+        }
         let names = std::fs::read_dir(&folder).expect("a folder").count();
-        assert_eq!(names, 2);
+        assert_eq!(names, 3);
         let _ = std::fs::remove_dir_all(&folder);
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_full_disk_is_an_error() {
+        let film = film(&[[0.5, 1.5, 0.25]]);
+        for format in [ImageFormat::Png, ImageFormat::OpenExr] {
+            let full = File::options().write(true).open("/dev/full").expect("it is there");
+            let error = film.write_into(full, format, 0.0).expect_err("nothing fits");
+            assert!(error.contains("space") && error.lines().count() == 1, "{format:?}: {error}");
+        }
+    }
+
+    #[test]
+    fn pixels_that_are_no_numbers_are_counted() {
+        assert_eq!(film(&[[0.5, 1.5, 0.25], [f64::NAN, 0.0, 0.0], [0.0, f64::INFINITY, 0.0]]).not_finite(), 2);
     }
 }

@@ -14,6 +14,9 @@ pub enum Falloff {
     Inverse,
 }
 
+/// The largest number of a position or a power that is read: its square, over a narrow lobe's density, still fits f32.
+pub const MOST: f64 = 1e9;
+
 /// A light of no extent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Light {
@@ -77,7 +80,7 @@ impl FromStr for Light {
 
     /// `directional:X,Y,Z[,E]` or `directional:X,Y,Z,R,G,B`: towards the light, and the irradiance (π by default, which shows a white
     /// diffuse surface that faces it as 1). `point:X,Y,Z[,I]`, `point:X,Y,Z,R,G,B`: a position and the intensity; `point/d:…` thins
-    /// out as 1/d.
+    /// out as 1/d. Directions have any length > 0; positions and powers are at most [`MOST`].
     fn from_str(text: &str) -> Result<Self, String> {
         let form = "a light is directional:X,Y,Z[,E] or point:X,Y,Z[,I] (point/d: thins out as 1/d), E and I one number ≥ 0 or R,G,B";
         let (kind, rest) = text.split_once(':').ok_or_else(|| format!("`{text}`: {form}"))?;
@@ -95,10 +98,24 @@ impl FromStr for Light {
         if power.iter().any(|x| *x < 0.0) {
             return Err(format!("`{text}`: a negative light; {form}"));
         }
+        let Vector { x, y, z } = place;
+        let most = x.abs().max(y.abs()).max(z.abs());
+        if power.iter().any(|x| *x > MOST) || kind != "directional" && most > MOST {
+            let (what, found) = if most > MOST && kind != "directional" {
+                ("coordinate", most)
+            } else {
+                ("power", power.into_iter().fold(0.0, f64::max))
+            };
+            return Err(format!(
+                "`{text}`: a {what} of {found:e}; a picture holds at most {MOST:e}: choose a larger unit"
+            ));
+        }
         let point = |falloff| Ok(Light::Point { position: place, intensity: power, falloff });
         match kind {
-            "directional" if place.length_squared() > 0.0 => {
-                Ok(Light::Directional { towards: place.normalized(), irradiance: power })
+            // Scaled before it is squared, which would overflow or vanish.
+            "directional" if most > 0.0 => {
+                let towards = Vector::new(x / most, y / most, z / most).normalized();
+                Ok(Light::Directional { towards, irradiance: power })
             }
             "directional" => Err(format!("`{text}`: 0,0,0 is no direction; {form}")),
             "point" => point(Falloff::InverseSquare),
@@ -125,6 +142,18 @@ mod tests {
     fn lights_are_read() {
         assert!(matches!("directional:0,0,2,3".parse(), Ok(Light::Directional { irradiance: [3.0, ..], .. })));
         assert!(matches!("point/d:1,2,3".parse(), Ok(Light::Point { falloff: Falloff::Inverse, .. })));
+        for length in [1e-310, 1e-200, 1.0, 1e200] {
+            let light: Light = format!("directional:0,{length:e},0").parse().expect("a direction");
+            assert!(matches!(light, Light::Directional { towards: Vector { y: 1.0, .. }, .. }), "{light:?}");
+        }
+        for (wrong, said) in [
+            ("point:0,0,1e60", "a coordinate of 1e60"),
+            ("point:0,0,2,1e60", "a power of 1e60"),
+            ("directional:0,0,1,1e10", "at most 1e9"),
+        ] {
+            let error = wrong.parse::<Light>().expect_err(wrong);
+            assert!(error.contains(said) && error.lines().count() == 1, "{error}");
+        }
         for wrong in ["", "sun", "directional:0,0,0", "point:1,2", "point:1,2,3,-1", "point:1,2,NaN", "lamp:1,2,3"] {
             let error = wrong.parse::<Light>().expect_err(wrong);
             assert_eq!(error.lines().count(), 1, "{error}");

@@ -1,31 +1,45 @@
-//! Triangles, from Wavefront OBJ files.
+//! Triangles, from Wavefront OBJ files ([`super::obj`]).
 //!
-//! A mesh is moved and scaled so that the smallest sphere around its bounding box's centre that holds it is the unit sphere. OBJ files have +y up;
-//! it becomes +z. Faces of more than three corners are fans. Normals of the file are interpolated; without them a triangle is flat. Without
-//! texture coordinates a vertex has those of a sphere.
+//! A mesh is moved and scaled so that the smallest sphere around its bounding box's centre that holds it is the unit sphere. Normals of the file are
+//! interpolated; without them a triangle is flat. A triangle without texture coordinates has those of a sphere around that centre.
+//!
+//! How much of its surroundings each corner is hidden from by the mesh itself is measured when a picture's material asks for it, and not before:
+//! [`Mesh::measure_occlusion`].
 
-use super::Number;
 use super::bvh::Bvh;
 use super::shape::{Hit, Ray, turn};
+use super::{Number, Progress, obj};
 use crate::frame::{Frame, Vector};
 use crate::walk::random::random;
 use rayon::prelude::*;
+use std::collections::HashMap;
 use std::path::Path;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Rays that measure the occlusion of a vertex.
+/// Rays that measure the occlusion of a corner.
 const OCCLUSION_RAYS: u32 = 128;
 
-/// A corner of a triangle.
+/// A corner of a triangle as it is given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corner {
+    /// Where it is, in any unit.
+    pub position: [f64; 3],
+    /// The direction of the shading normal, of any length > 0; without one that of the triangle.
+    pub normal: Option<[f64; 3]>,
+    /// The parameters; they may exceed [0, 1), where a texture repeats. Without them at any corner the triangle has those of a sphere.
+    pub uv: Option<[f64; 2]>,
+}
+
+/// A corner of a triangle of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vertex {
-    /// Where it is.
+    /// Where it is, within the unit sphere.
     pub position: [f32; 3],
     /// The unit shading normal.
     pub normal: [f32; 3],
     /// The parameters; they may exceed [0, 1), where a texture repeats.
     pub uv: [f32; 2],
-    /// How much of the hemisphere over the normal the mesh itself hides.
-    pub occlusion: f32,
 }
 
 /// Triangles with a hierarchy of boxes around them.
@@ -34,70 +48,65 @@ pub struct Mesh {
     /// Three vertices a triangle, in the order of the hierarchy's leaves.
     triangles: Vec<[Vertex; 3]>,
     bvh: Bvh,
+    /// How much of the hemisphere over each corner's normal the mesh itself hides, once it is measured.
+    occlusion: OnceLock<Vec<[f32; 3]>>,
 }
 
 impl Mesh {
     /// Reads an OBJ file; its materials are left alone.
     ///
     /// # Errors
-    /// One line: the file, what is wrong, and where. Files that do not parse, no triangle, an index of a vertex that is not there, a
-    /// coordinate that is infinite or not a number, all vertices in one point.
+    /// One line: the file, what is wrong, and where. Lines that do not parse, an index of a vertex that is not there, a coordinate that is
+    /// infinite or not a number, no triangle that has an area.
     pub fn read(path: &Path) -> Result<Self, String> {
         let place = path.display();
-        let file = std::fs::File::open(path).map_err(|error| format!("{place}: {error}"))?;
-        let mut reader = std::io::BufReader::new(file);
-        let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
-        let (models, _) = tobj::load_obj_buf(&mut reader, &options, |_| Ok(Default::default()))
-            .map_err(|error| format!("{place}: {error}"))?;
-        let meshes: Vec<_> = models.into_iter().map(|model| (model.name, model.mesh)).collect();
-        let mut triangles = Vec::new();
-        for (name, mesh) in &meshes {
-            triangles_of(mesh, &mut triangles).map_err(|error| format!("{place}: object `{name}`: {error}"))?;
-        }
-        Self::new(triangles).map_err(|error| format!("{place}: {error}"))
+        let bytes = std::fs::read(path).map_err(|error| format!("{place}: {error}"))?;
+        // Names may be in any encoding.
+        let text = String::from_utf8_lossy(&bytes);
+        let triangles = obj::triangles(&text).map_err(|error| format!("{place}: {error}"))?;
+        Self::new(&triangles).map_err(|error| format!("{place}: {error}"))
     }
 
-    /// A mesh of triangles, moved and scaled to the unit sphere; occlusion is measured, what is given of it does not matter.
+    /// A mesh of triangles, moved and scaled to the unit sphere. Triangles without an area, which no ray meets, are left out.
     ///
     /// # Errors
-    /// Without triangles, with a position that is infinite or not a number (which is named by its triangle), or with all vertices in one point.
-    pub fn new(mut triangles: Vec<[Vertex; 3]>) -> Result<Self, String> {
+    /// Without triangles, with a position that is infinite or not a number (which is named by its triangle, counted from 1), or beyond 1e100, and
+    /// where no triangle has an area.
+    pub fn new(triangles: &[[Corner; 3]]) -> Result<Self, String> {
         if triangles.is_empty() {
             return Err("no triangles; a face has three corners at least (lines `f`)".to_owned());
         }
-        let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-        for (i, triangle) in triangles.iter().enumerate() {
-            for vertex in triangle {
-                for axis in 0..3 {
-                    let x = vertex.position[axis];
-                    if !x.is_finite() {
-                        return Err(format!(
-                            "triangle {}: a vertex at {:?}; coordinates are finite",
-                            i + 1,
-                            vertex.position
-                        ));
-                    }
-                    low[axis] = low[axis].min(x);
-                    high[axis] = high[axis].max(x);
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for (i, corner) in triangles.iter().enumerate().flat_map(|(i, t)| t.iter().map(move |corner| (i, corner))) {
+            for axis in 0..3 {
+                let x = corner.position[axis];
+                // Squares of larger ones would overflow; NaN is not below either.
+                if !(x.abs() <= 1e100) {
+                    let at = corner.position;
+                    return Err(format!(
+                        "triangle {}: a vertex at {at:?}; coordinates are finite and within 1e100",
+                        i + 1
+                    ));
                 }
+                low[axis] = low[axis].min(x);
+                high[axis] = high[axis].max(x);
             }
         }
-        let centre: [f64; 3] = core::array::from_fn(|axis| 0.5 * (f64::from(low[axis]) + f64::from(high[axis])));
-        let from_centre = |p: [f32; 3]| -> [f64; 3] { core::array::from_fn(|axis| f64::from(p[axis]) - centre[axis]) };
-        let radius = triangles.iter().flatten().map(|v| from_centre(v.position).iter().map(|x| x * x).sum::<f64>());
+        let centre = Vector::from([0, 1, 2].map(|axis: usize| 0.5 * low[axis] + 0.5 * high[axis]));
+        let radius = triangles.iter().flatten().map(|corner| (Vector::from(corner.position) - centre).length_squared());
         let radius = radius.fold(0.0, f64::max).sqrt();
         if radius <= 0.0 {
-            return Err("all vertices are one point; a mesh has an extent".to_owned());
+            return Err("no triangles with an area: all vertices are one point".to_owned());
         }
-        for vertex in triangles.iter_mut().flatten() {
-            vertex.position = from_centre(vertex.position).map(|x| (x / radius) as f32);
+        let count = triangles.len();
+        let triangles: Vec<[Vertex; 3]> = triangles.iter().filter_map(|t| prepared(t, centre, 1.0 / radius)).collect();
+        if triangles.is_empty() {
+            return Err(format!("no triangles with an area: the corners of all {count} lie on lines or in points"));
         }
         let corners: Vec<_> = triangles.iter().map(|triangle| triangle.map(|vertex| vertex.position)).collect();
         let (bvh, order) = Bvh::new(&corners);
         let triangles = order.into_iter().filter_map(|i| triangles.get(i).copied()).collect();
-        let mut mesh = Mesh { triangles, bvh };
-        mesh.bake();
-        Ok(mesh)
+        Ok(Mesh { triangles, bvh, occlusion: OnceLock::new() })
     }
 
     /// The triangles, in the order of the hierarchy's leaves.
@@ -110,27 +119,53 @@ impl Mesh {
         &self.bvh
     }
 
-    /// Measures the occlusion of every vertex: the same whatever the number of threads.
-    fn bake(&mut self) {
-        let occlusion = |vertex: &Vertex| {
-            let normal = Vector::from(vertex.normal.map(f64::from));
-            let frame = Frame::from_normal(normal);
-            let origin = Vector::from(vertex.position.map(f64::from)) + normal * 1e-3;
-            let hidden = |i: &u32| {
-                // Seeded by the position, so that equal vertices of neighbouring triangles agree.
-                let [x, y, z] = vertex.position.map(f32::to_bits);
-                let [a, b, ..]: [f64; 4] = random(x ^ y.rotate_left(11) ^ z.rotate_left(22), *i, 0);
-                let local = crate::sampling::cosine_hemisphere([a, b]);
-                self.blocks(&Ray { origin, direction: frame.to_world(local) }, f64::MAX)
-            };
-            (0..OCCLUSION_RAYS).filter(hidden).count() as f32 / OCCLUSION_RAYS as f32
+    /// How much of the hemisphere over each corner's normal the mesh itself hides, in [0, 1]; none before it is measured.
+    pub fn occlusion(&self) -> Option<&[[f32; 3]]> {
+        self.occlusion.get().map(Vec::as_slice)
+    }
+
+    /// Measures the occlusion of every corner by 128 rays, unless that is done: the same whatever the number of threads.
+    ///
+    /// Corners that share position and normal are measured once, in about 0.1 ms of one core each.
+    pub fn measure_occlusion(&self, progress: &Progress<'_>) {
+        self.occlusion.get_or_init(|| self.measured(progress));
+    }
+
+    fn measured(&self, progress: &Progress<'_>) -> Vec<[f32; 3]> {
+        let mut places: HashMap<[u32; 6], usize> = HashMap::new();
+        let mut distinct = Vec::new();
+        let mut place = |vertex: &Vertex| {
+            let ([x, y, z], [nx, ny, nz]) = (vertex.position.map(f32::to_bits), vertex.normal.map(f32::to_bits));
+            *places.entry([x, y, z, nx, ny, nz]).or_insert_with(|| {
+                distinct.push(*vertex);
+                distinct.len() - 1
+            })
         };
-        let baked: Vec<[f32; 3]> = self.triangles.par_iter().map(|t| t.each_ref().map(occlusion)).collect();
-        for (triangle, baked) in self.triangles.iter_mut().zip(baked) {
-            for (vertex, occlusion) in triangle.iter_mut().zip(baked) {
-                vertex.occlusion = occlusion;
-            }
-        }
+        let all: Vec<[usize; 3]> = self.triangles.iter().map(|triangle| triangle.each_ref().map(&mut place)).collect();
+        let done = AtomicUsize::new(0);
+        let measured = |vertices: &[Vertex]| -> Vec<f32> {
+            let measured = vertices.iter().map(|vertex| self.hidden(vertex)).collect();
+            let count = done.fetch_add(vertices.len(), Ordering::Relaxed) + vertices.len();
+            progress(count as f64 / distinct.len().max(1) as f64);
+            measured
+        };
+        let hidden: Vec<f32> = distinct.par_chunks(256).map(measured).flatten_iter().collect();
+        all.into_iter().map(|corners| corners.map(|i| hidden.get(i).copied().unwrap_or(0.0))).collect()
+    }
+
+    /// The part of the hemisphere over a corner's normal that the mesh hides.
+    fn hidden(&self, vertex: &Vertex) -> f32 {
+        let normal = Vector::from(vertex.normal.map(f64::from));
+        let frame = Frame::from_normal(normal);
+        let origin = Vector::from(vertex.position.map(f64::from)) + normal * 1e-3;
+        let hidden = |i: &u32| {
+            // Seeded by the position, so that equal vertices of neighbouring triangles agree.
+            let [x, y, z] = vertex.position.map(f32::to_bits);
+            let [a, b, ..]: [f64; 4] = random(x ^ y.rotate_left(11) ^ z.rotate_left(22), *i, 0);
+            let local = crate::sampling::cosine_hemisphere([a, b]);
+            self.blocks(&Ray { origin, direction: frame.to_world(local) }, f64::MAX)
+        };
+        (0..OCCLUSION_RAYS).filter(hidden).count() as f32 / OCCLUSION_RAYS as f32
     }
 
     /// Whether a ray meets any triangle within a distance.
@@ -151,15 +186,65 @@ impl Mesh {
         self.bvh.walk(ray, within, |i, within| {
             match self.triangles.get(i).and_then(|triangle| Some((triangle, meets(triangle, ray, within)?))) {
                 Some((triangle, met)) => {
-                    found = Some((triangle, met));
+                    found = Some((i, triangle, met));
                     met.0
                 }
                 None => within,
             }
         });
-        let (triangle, (distance, b, c)) = found?;
-        Some(interpolated(triangle, ray, distance, b, c))
+        let (i, triangle, (distance, b, c)) = found?;
+        let occlusion = self.occlusion().and_then(|all| all.get(i)).copied().unwrap_or_default();
+        let [oa, ob, oc] = occlusion.map(|x| R::from_f64(f64::from(x)));
+        let hit = interpolated(triangle, ray, distance, b, c);
+        Some(Hit { occlusion: oa * (R::ONE - b - c) + ob * b + oc * c, ..hit })
     }
+}
+
+/// A triangle of the unit sphere; none where its corners lie on a line.
+fn prepared(corners: &[Corner; 3], centre: Vector<f64>, scale: f64) -> Option<[Vertex; 3]> {
+    let single = |v: Vector<f64>| <[f64; 3]>::from(v).map(|x| x as f32);
+    let positions = corners.each_ref().map(|corner| single((Vector::from(corner.position) - centre) * scale));
+    let [a, b, c] = positions.map(|p| Vector::from(p.map(f64::from)));
+    let flat = (b - a).cross(c - a);
+    if flat.length_squared() <= 0.0 {
+        return None;
+    }
+    let own = corners.each_ref().map(|corner| corner.uv);
+    let uvs = match own {
+        [Some(a), Some(b), Some(c)] => [a, b, c],
+        _ => of_a_sphere([a, b, c]),
+    };
+    let vertex = |i: usize| {
+        // A length of 0, or one that is no number, is no normal.
+        let unit = corners[i].normal.map(|normal| Vector::from(normal).normalized());
+        let normal = unit.filter(|unit| unit.length_squared() > 0.5).unwrap_or(flat.normalized());
+        Vertex { position: positions[i], normal: single(normal), uv: uvs[i].map(|x| x as f32) }
+    };
+    Some([vertex(0), vertex(1), vertex(2)])
+}
+
+/// The parameters of a sphere around the origin at three points, as [`Shape::Sphere`](super::shape::Shape) has them, without a jump between them: where
+/// u passes from 1 to 0 it goes on beyond 1, and at a pole, which has no u, it is between the other two.
+fn of_a_sphere(points: [Vector<f64>; 3]) -> [[f64; 2]; 3] {
+    let mut uvs = points.map(|at| {
+        let height = at.z.atan2(at.sin_squared().sqrt()) * core::f64::consts::FRAC_1_PI;
+        [turn(at.x, at.y), height + 0.5]
+    });
+    let polar = points.map(|at| at.sin_squared() <= 1e-12 * at.length_squared());
+    let us = || (0..3).filter(|i| !polar[*i]);
+    let largest = us().map(|i| uvs[i][0]).fold(0.0, f64::max);
+    for i in us() {
+        if largest - uvs[i][0] > 0.5 {
+            uvs[i][0] += 1.0;
+        }
+    }
+    let mean = us().map(|i| uvs[i][0]).sum::<f64>() / us().count().max(1) as f64;
+    for i in 0..3 {
+        if polar[i] {
+            uvs[i][0] = mean;
+        }
+    }
+    uvs
 }
 
 fn vector<R: Number>(v: [f32; 3]) -> Vector<R> {
@@ -217,7 +302,6 @@ fn interpolated<R: Number>(triangle: &[Vertex; 3], ray: &Ray<R>, distance: R, b:
     let (slope_b, slope_c) = (edge_c.cross(across) * inverse, across.cross(edge_b) * inverse);
     let gradient = |b: R, c: R| slope_b * b + slope_c * c;
     let uv_per_length = [gradient(du_b, du_c).dot(frame.tangent), gradient(dv_b, dv_c).dot(frame.bitangent)];
-    let [oa, ob, oc] = triangle.each_ref().map(|vertex| R::from_f64(f64::from(vertex.occlusion)));
     Hit {
         distance,
         position: pa * a + pb * b + pc * c,
@@ -225,68 +309,6 @@ fn interpolated<R: Number>(triangle: &[Vertex; 3], ray: &Ray<R>, distance: R, b:
         frame,
         uv: [wrap(0), wrap(1)],
         uv_per_length,
-        occlusion: oa * a + ob * b + oc * c,
+        occlusion: R::ZERO,
     }
-}
-
-/// The triangles of an object of a file, with +z up.
-fn triangles_of(mesh: &tobj::Mesh, triangles: &mut Vec<[Vertex; 3]>) -> Result<(), String> {
-    let triple = |values: &[f32], index: u32, what: &str| {
-        let at = index as usize * 3;
-        match values.get(at..at + 3) {
-            Some([x, y, z]) => Ok([*x, -*z, *y]),
-            _ => Err(format!("{what} {} is not there; the file has {}", index + 1, values.len() / 3)),
-        }
-    };
-    let indices = |own: &[u32], place: usize| own.get(place).or(mesh.indices.get(place)).copied().unwrap_or(0);
-    for (face, corners) in mesh.indices.chunks_exact(3).enumerate() {
-        let at = |error: String| format!("face {}: {error}", face + 1);
-        let mut positions = [[0.0f32; 3]; 3];
-        for (position, index) in positions.iter_mut().zip(corners) {
-            *position = triple(&mesh.positions, *index, "vertex").map_err(at)?;
-            if !position.iter().all(|x| x.is_finite()) {
-                return Err(at(format!("vertex {} is not finite", index + 1)));
-            }
-        }
-        let [a, b, c] = positions.map(|p| Vector::from(p.map(f64::from)));
-        let flat = (b - a).cross(c - a);
-        if flat.length_squared() <= 0.0 {
-            // A triangle without an area cannot be met.
-            continue;
-        }
-        let mut triangle = positions.map(|position| Vertex {
-            position,
-            normal: <[f64; 3]>::from(flat.normalized()).map(|x| x as f32),
-            uv: [0.0; 2],
-            occlusion: 0.0,
-        });
-        for (corner, vertex) in triangle.iter_mut().enumerate() {
-            let place = 3 * face + corner;
-            if !mesh.normals.is_empty() {
-                let normal = triple(&mesh.normals, indices(&mesh.normal_indices, place), "normal").map_err(at)?;
-                let unit = Vector::from(normal.map(f64::from)).normalized();
-                if unit.length_squared() > 0.5 {
-                    vertex.normal = <[f64; 3]>::from(unit).map(|x| x as f32);
-                }
-            }
-            if mesh.texcoords.is_empty() {
-                let at = Vector::from(vertex.position.map(f64::from));
-                let height = at.z.atan2(at.sin_squared().sqrt()) * core::f64::consts::FRAC_1_PI;
-                vertex.uv = [turn(at.x, at.y) as f32, (height + 0.5) as f32];
-            } else {
-                let index = indices(&mesh.texcoord_indices, place) as usize;
-                let uv = mesh.texcoords.get(2 * index..2 * index + 2);
-                let Some([u, v]) = uv else {
-                    let all = mesh.texcoords.len() / 2;
-                    return Err(at(format!("texture coordinate {} is not there; the file has {all}", index + 1)));
-                };
-                if !(u.is_finite() && v.is_finite()) {
-                    return Err(at(format!("texture coordinate {} is not finite", index + 1)));
-                }
-                vertex.uv = [*u, *v];
-            }
-        }
-        triangles.push(triangle);
-    }
-    Ok(())
 }

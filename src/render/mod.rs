@@ -1,7 +1,7 @@
 //! The smallest renderer that shows materials honestly.
 //!
 //! A [`Scene`] is one [`shape`] of one material before a [`camera`], under [`light`]s and an [`environment`]. It is rendered in two modes:
-//! [`realtime`] is the documents' local model, lights and pre-filtered environment at one point of each pixel (Elek 2010, Alg. 1); [`offline`] a
+//! [`realtime`] is the documents' local model, lights and pre-filtered environment at a few points of each pixel (Elek 2010, Alg. 1); [`offline`] a
 //! path tracer, whose pixels carry a variance. Both run over f32 and f64 on the CPU's threads and, with the feature `gpu`, as compute kernels
 //! with the same texels and the same random numbers ([`gpu`]). The result is a [`film`].
 //!
@@ -16,6 +16,7 @@ pub mod film;
 pub mod gpu;
 pub mod light;
 pub mod mesh;
+mod obj;
 pub mod octahedral;
 pub mod offline;
 pub mod prefilter;

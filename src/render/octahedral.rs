@@ -7,6 +7,7 @@
 
 use crate::frame::Vector;
 use crate::real::Real;
+use rayon::prelude::*;
 
 /// The point of [−1, 1]² that a direction of any length > 0 falls on, and 1/(|x|+|y|+|z|): a unit direction's distance on the octahedron.
 #[inline]
@@ -53,6 +54,13 @@ impl Map {
         }
         map.wrap();
         map
+    }
+
+    /// [`Map::new`] on the threads of the current pool, for texels that take a while.
+    pub fn in_parallel(side: usize, texel: impl Fn(usize, usize) -> [f32; 3] + Sync) -> Self {
+        let side = side.max(1);
+        let texels: Vec<[f32; 3]> = (0..side * side).into_par_iter().map(|i| texel(i % side, i / side)).collect();
+        Map::new(side, |column, row| texels.get(row * side + column).copied().unwrap_or_default())
     }
 
     /// The texels to a side, without the border.

@@ -63,6 +63,7 @@ pub struct Tracer<'a, R> {
 impl<'a, R: Number> Tracer<'a, R> {
     /// Prepares a scene.
     pub fn new(scene: &'a Scene, options: Options) -> Self {
+        scene.prepare(&|_| ());
         Tracer { scene, shading: Shading::new(&scene.material), options }
     }
 
@@ -189,6 +190,7 @@ fn heuristic<R: Number>(own: R, other: R) -> R {
 
 /// The picture, on the threads of the current pool.
 pub fn render<R: Number>(scene: &Scene, options: Options, progress: &Progress<'_>) -> Film {
+    scene.prepare(progress);
     let tracer = Tracer::<R>::new(scene, options);
     let count = scene.camera.pixels();
     let done = core::sync::atomic::AtomicUsize::new(0);

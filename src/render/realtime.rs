@@ -63,6 +63,7 @@ pub const WIDEST: f64 = 0.999;
 
 /// The picture, with `side`² points to a pixel, on the threads of the current pool.
 pub fn render<R: Number>(scene: &Scene, side: u32, progress: &Progress<'_>) -> Film {
+    scene.prepare(progress);
     let environment = Prefiltered::new(&scene.environment);
     let (width, height) = (scene.camera.width(), scene.camera.height());
     let done = core::sync::atomic::AtomicUsize::new(0);

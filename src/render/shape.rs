@@ -1,7 +1,8 @@
 //! What a material is put on: a unit sphere, a torus, a square, a mesh; and where rays meet it.
 //!
 //! Twin: `wgsl/shape.wgsl`. Parametrisations: u runs around the z axis from +x towards +y, v from the bottom to the top of a sphere and around the
-//! tube of a torus from its outer equator upwards.
+//! tube of a torus from its outer equator upwards; on a square u is along x and v along y. Images stand upright on all of them
+//! ([`super::texture`]).
 
 use super::Number;
 use super::mesh::Mesh;
@@ -147,6 +148,15 @@ impl Shape {
         }
     }
 
+    /// Whether a point lies within the shape, from where it is not seen. A square has no inside, and a mesh may be open: it is seen from both sides.
+    pub fn encloses(&self, at: Vector<f64>) -> bool {
+        match self {
+            Shape::Sphere => at.length_squared() <= 1.0,
+            Shape::Torus(torus) => torus.encloses(at),
+            Shape::Plane | Shape::Mesh(_) => false,
+        }
+    }
+
     /// Whether rays that leave the shape never meet it again.
     pub fn is_convex(&self) -> bool {
         matches!(self, Shape::Sphere | Shape::Plane)
@@ -258,6 +268,15 @@ mod tests {
         let away = Ray { direction: Vector::new(1.0, 0.0, 0.0), ..ray };
         assert!(Shape::Sphere.hit(&away, f64::MAX).is_none());
         assert!(Shape::Sphere.hit(&ray, 2.0).is_none());
+    }
+
+    #[test]
+    fn points_within_are_known() {
+        let torus = Shape::Torus(Torus::new(0.4).expect("valid"));
+        let at = |x, z| Vector::new(x, 0.0, z);
+        assert!(Shape::Sphere.encloses(at(0.9, 0.1)) && !Shape::Sphere.encloses(at(0.9, 0.9)));
+        assert!(torus.encloses(at(1.2, 0.2)) && !torus.encloses(at(0.1, 0.0)) && !torus.encloses(at(1.2, 0.4)));
+        assert!(!Shape::Plane.encloses(at(0.0, 0.0)));
     }
 
     #[test]

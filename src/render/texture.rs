@@ -2,21 +2,25 @@
 //!
 //! PNG, Radiance HDR and OpenEXR. What is stored in 8 or 16 bits stands for numbers as the material says (sRGB or linear); what is stored in
 //! floating point is linear.
+//!
+//! Files store their upper row first, and v rises upwards on every shape and in OBJ files: an image is turned over when it is read, so that a picture
+//! stands upright where v is up, as it does in Blender. Green of a normal map is a slope towards growing v: +Y up, OpenGL's convention. A map
+//! with green downwards (DirectX's) must have its green inverted.
 
 use crate::material::description::{MaterialFile, read_file};
-use crate::texture::image::{Encoding, Image, srgb_to_linear};
+use crate::texture::image::{Encoding, Image, ImageError, srgb_to_linear};
 use image::DynamicImage;
 use std::path::Path;
 
-/// Reads an image.
+/// Reads an image, the lowest row of the picture first: v = 0 is its lower edge.
 ///
 /// # Errors
-/// One line: the file, and what is wrong with it.
+/// One line: the file, and what is wrong with it; rows are counted from the top, as in the file.
 pub fn read_image(path: &Path, encoding: Encoding) -> Result<Image, String> {
     let place = |error: String| format!("{}: {error}", path.display());
     let reader = image::ImageReader::open(path).map_err(|error| place(error.to_string()))?;
     let reader = reader.with_guessed_format().map_err(|error| place(error.to_string()))?;
-    let picture = reader.decode().map_err(|error| place(error.to_string()))?;
+    let picture = reader.decode().map_err(|error| place(error.to_string()))?.flipv();
     let (width, height) = (picture.width(), picture.height());
     let channels = u32::from(picture.color().channel_count());
     let bytes = |bytes: &[u8]| Image::from_bytes(width, height, channels, bytes, encoding);
@@ -41,7 +45,11 @@ pub fn read_image(path: &Path, encoding: Encoding) -> Result<Image, String> {
         DynamicImage::ImageRgba32F(picture) => Image::new(width, height, 4, picture.as_raw().clone()),
         other => return Err(place(format!("{:?} is no kind of image that a material reads", other.color()))),
     };
-    read.map_err(|error| place(error.to_string()))
+    read.map_err(|error| match error {
+        ImageError::NotFinite { x, y, channel } => ImageError::NotFinite { x, y: height - 1 - y, channel },
+        other => other,
+    })
+    .map_err(|error| place(error.to_string()))
 }
 
 /// Reads a material file, and the images that it names from beside it.
@@ -71,7 +79,10 @@ mod tests {
         save("grey.png", DynamicImage::ImageLuma8(image::GrayImage::from_pixel(2, 1, Luma([128]))));
         save("fine.png", DynamicImage::ImageLumaA16(image::ImageBuffer::from_pixel(1, 1, LumaA([32896, 32896]))));
         save("float.exr", DynamicImage::ImageRgb32F(image::ImageBuffer::from_pixel(1, 2, Rgb([0.25, 2.0, 4.0]))));
-        save("nan.exr", DynamicImage::ImageRgb32F(image::ImageBuffer::from_pixel(1, 1, Rgb([0.0, f32::NAN, 0.0]))));
+        let broken = |_, y| Rgb([0.0, if y == 0 { f32::NAN } else { 1.0 }, 0.0]);
+        save("nan.exr", DynamicImage::ImageRgb32F(image::ImageBuffer::from_fn(1, 3, broken)));
+        let rising = |_, y| Luma([if y == 0 { 200u8 } else { 50 }]);
+        save("rising.png", DynamicImage::ImageLuma8(image::ImageBuffer::from_fn(1, 2, rising)));
         let first = |name: &str, encoding| {
             read_image(&folder.join(name), encoding).map(|image| image.texels().next().unwrap_or_default())
         };
@@ -83,7 +94,11 @@ mod tests {
         assert!(close(first("grey.png", Encoding::Srgb).expect("read"), [r, g, b, 1.0]));
         assert!(close(first("fine.png", Encoding::Srgb).expect("read"), [r, g, b, half]));
         assert!(close(first("float.exr", Encoding::Srgb).expect("read"), [0.25, 2.0, 4.0, 1.0]));
-        assert!(first("nan.exr", Encoding::Linear).expect_err("NaN").contains("nan.exr: "));
+        let error = first("nan.exr", Encoding::Linear).expect_err("NaN");
+        assert!(error.contains("nan.exr: the texel in column 0, row 0 "), "{error}");
+        // The lower row is the first: v rises.
+        let low = 50.0 / 255.0;
+        assert!(close(first("rising.png", Encoding::Linear).expect("read"), [low, low, low, 1.0]));
         assert!(first("absent.png", Encoding::Linear).expect_err("absent").contains("absent.png: "));
 
         let material = |image: &str| {

@@ -118,6 +118,11 @@ impl Torus {
         (across * across + at.z * at.z).sqrt() - R::from_f64(self.minor)
     }
 
+    /// Whether a point lies within the tube.
+    pub(super) fn encloses(&self, at: Vector<f64>) -> bool {
+        self.distance(at) <= 0.0
+    }
+
     /// The nearest point of the torus on a ray, within a distance.
     #[inline]
     pub fn hit<R: Number>(&self, ray: &Ray<R>, within: R) -> Option<Hit<R>> {

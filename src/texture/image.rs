@@ -3,6 +3,10 @@
 //! An [`Image`] is a rectangle of finite numbers in one to four channels: grey (g, g, g, 1), grey and alpha (g, g, g, a), RGB (r, g, b, 1), RGBA. Rows run
 //! with v and columns with u: the first texel is the corner at (0, 0), texel (i, j) has its centre at ((i + ½)/width, (j + ½)/height).
 //!
+//! Where v rises upwards, as on the shapes of `brdf::render` and in OBJ files, the first row is the *lowest* of the picture. Files store the
+//! upper one first: who loads a file turns it over, as `brdf::render::texture::read_image` does. The green of a normal map is then a slope towards
+//! growing v, +Y up, as OpenGL and Blender have it.
+//!
 //! In WGSL texels are supplied by the embedder, `fn material_texel(index: u32) -> vec4f`; all images of a material lie one after
 //! another, row by row, as [`Image::texels`] gives them. A function takes the index of the first texel and the size.
 //!

@@ -6,14 +6,15 @@ use crate::material::{Change, load, model};
 use brdf::gpu::Gpu;
 use brdf::layered::Model;
 use brdf::layered::description::{Node, Value};
-use brdf::material::{Material, built_in};
+use brdf::material::finish::Body;
+use brdf::material::{Material, Part, built_in, stack};
 use brdf::render::camera::{Camera, Orbit};
 use brdf::render::environment::Environment;
 use brdf::render::light::Light;
 use brdf::render::mesh::Mesh;
 use brdf::render::shape::Shape;
 use brdf::render::torus::Torus;
-use brdf::render::{Film, Scene, gpu, offline, realtime, sources, texture};
+use brdf::render::{Film, Scene, film, gpu, offline, realtime, sources, texture};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
@@ -25,14 +26,14 @@ use std::time::Instant;
 /// What `brdf render` is asked for.
 #[derive(Args)]
 pub(crate) struct Options {
-    /// A built-in material, a material file or a stack file.
+    /// A built-in material, a material file or a stack file. Images of a material stand upright where v rises; green of a normal map is +Y up.
     #[arg(required_unless_present = "gallery", default_value = "", hide_default_value = true)]
     material: String,
     /// Write the documents' figures into this folder instead.
-    #[arg(long, value_name = "DIR", conflicts_with = "material")]
+    #[arg(long, value_name = "DIR", conflicts_with_all = OF_A_PICTURE)]
     gallery: Option<PathBuf>,
     /// Of the gallery only figures whose name contains this.
-    #[arg(long, requires = "gallery")]
+    #[arg(long, requires = "gallery", conflicts_with = "material")]
     only: Option<String>,
     /// sphere, torus, torus:MINOR (the radius of the tube, 0.4 by default), plane, or an OBJ file.
     #[arg(long, default_value = "sphere")]
@@ -61,7 +62,7 @@ pub(crate) struct Options {
     /// directional:X,Y,Z[,E] (towards the light; irradiance E, or R,G,B), point:X,Y,Z[,I], point/d:… (thins out as 1/d). +z is up.
     #[arg(long)]
     light: Vec<Light>,
-    /// The model of a stack; its own by default.
+    /// The model of a stack, but for `walk`; its own by default. A name that a built-in material shares means the stack.
     #[arg(long, value_parser = model)]
     model: Option<Model>,
     /// A number of a built-in material.
@@ -95,11 +96,34 @@ pub(crate) struct Options {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Mode {
-    /// Lights and pre-filtered environment at one point of each pixel (Elek 2010, Algorithm 1).
+    /// Lights and pre-filtered environment, without shadows, at four points of each pixel (Elek 2010, Algorithm 1).
     Realtime,
     /// A path tracer.
     Offline,
 }
+
+/// What a gallery, whose figures say themselves how they are taken, has no use for.
+const OF_A_PICTURE: [&str; 19] = [
+    "material",
+    "shape",
+    "mode",
+    "gpu",
+    "adapter",
+    "size",
+    "samples",
+    "seed",
+    "environment",
+    "light",
+    "model",
+    "set",
+    "azimuth",
+    "elevation",
+    "distance",
+    "field",
+    "exposure",
+    "no_backdrop",
+    "out",
+];
 
 fn size(text: &str) -> Result<(u32, u32), String> {
     text.split_once(['x', '×'])
@@ -127,20 +151,23 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
         return gallery::run(folder, options.only.as_deref(), options.json);
     }
     // What cannot be written is refused before anything is computed.
-    if !matches!(options.out.extension().and_then(|e| e.to_str()), Some("png" | "exr")) {
-        return Err(format!("--out {}: a picture is a .png or an .exr file", options.out.display()).into());
-    }
+    film::writable(&options.out).map_err(|error| format!("--out {error}"))?;
     let scene = scene(options)?;
     let device = if options.gpu { Some(Gpu::open(options.adapter.as_deref())?) } else { None };
     let bar = ProgressBar::new(1000);
-    let style = ProgressStyle::with_template("{bar:30} {percent:>3} %, {eta} left");
+    let style = ProgressStyle::with_template("{msg}{bar:30} {percent:>3} %, {eta} left");
     bar.set_style(style.unwrap_or(ProgressStyle::default_bar()));
     let progress = |done: f64| bar.set_position((1000.0 * done) as u64);
     let start = Instant::now();
+    bar.set_message("occlusion ");
+    scene.prepare(&progress);
+    bar.set_message("");
+    bar.reset();
     let (film, samples) = picture(options, &scene, device.as_ref(), &progress)?;
     let seconds = start.elapsed().as_secs_f64();
     bar.finish_and_clear();
     let clipped = film.write(&options.out, options.exposure)?;
+    let not_finite = film.not_finite();
     let paths = f64::from(samples) * scene.camera.pixels() as f64;
     let device = device.map_or("cpu".to_owned(), |gpu| gpu.info().to_string());
     let mut out = io::stdout().lock();
@@ -149,7 +176,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
         let report = json!({
             "file": options.out.display().to_string(), "width": film.width(), "height": film.height(),
             "samples": samples, "seed": options.seed, "device": device, "seconds": seconds,
-            "samples_per_second": paths / seconds, "clipped": clipped, "mean": mean, "largest": largest,
+            "samples_per_second": paths / seconds, "clipped": clipped, "not_finite": not_finite, "mean": mean, "largest": largest,
         });
         writeln!(out, "{report:#}")?;
     } else {
@@ -158,6 +185,9 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
         write!(out, "{seconds:.1} s ({rate:.2} Msamples/s)")?;
         if clipped > 0 {
             write!(out, "; {clipped} pixels are brighter than 1 and clipped: --exposure lowers them")?;
+        }
+        if not_finite > 0 {
+            write!(out, "; {not_finite} pixels are infinite or not a number: a light is too bright or too near")?;
         }
         writeln!(out)?;
     }
@@ -205,6 +235,10 @@ fn scene(options: &Options) -> Result<Scene, Failure> {
     let shape = shape(&options.shape)?;
     let distance = options.distance.unwrap_or(Orbit::default().distance * shape.radius());
     let camera = Camera::new(&Orbit { azimuth, elevation, distance, field }, width, height)?;
+    let [eye, ..] = camera.vectors();
+    if shape.encloses(eye) {
+        return Err(format!("--distance {distance}: the camera is inside the {}; step back", options.shape).into());
+    }
     Ok(Scene {
         shape,
         material: material(options)?,
@@ -245,17 +279,47 @@ fn environment(name: &str) -> Result<Environment, String> {
     }
 }
 
-/// Whether a file describes one stack, which has layers of its own, and no material, which has parts or is one that is built in.
+/// Whether a file describes one stack, which has layers of its own, or a material, which has parts or is one that is built in.
 fn is_stack_file(path: &Path) -> Result<bool, String> {
     let locate = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
     let text = std::fs::read_to_string(path).map_err(|error| locate(&error))?;
     let node = Node::from_toml(&text).map_err(|error| locate(&error))?;
-    Ok(matches!(&node.value, Value::Table(entries) if entries.iter().any(|(key, _)| key == "layer")))
+    let has =
+        |wanted: &str| matches!(&node.value, Value::Table(entries) if entries.iter().any(|(key, _)| key == wanted));
+    if has("layer") {
+        return Ok(true);
+    }
+    if ["part", "material", "parameters"].into_iter().any(has) {
+        return Ok(false);
+    }
+    Err(locate(
+        &"a stack file has [[layer]] tables, a material file [[part]] tables or `material`; this has none of them",
+    ))
+}
+
+/// Refuses what takes a random walk for every value: minutes for a picture of 16×16.
+fn without_walk(name: &str, material: Material) -> Result<Material, Failure> {
+    let walks = |part: &Part| matches!(&part.finish.body, Body::Whole(stack) if stack.model() == Model::Walk);
+    match material.parts().iter().position(walks) {
+        Some(part) => Err(format!(
+            "{name}: part[{part}] is under the model `walk`, a random walk for every value, which takes a picture hours: \
+             choose `coupled`, and compare single values by `brdf eval`"
+        )
+        .into()),
+        None => Ok(material),
+    }
 }
 
 fn material(options: &Options) -> Result<Material, Failure> {
     let name = options.material.as_str();
-    if built_in::by_name(name).is_some() {
+    if options.model == Some(Model::Walk) {
+        return Err("--model walk: a random walk for every value takes a picture hours: choose `coupled`, and compare single values by \
+                    `brdf eval`"
+            .to_owned()
+            .into());
+    }
+    let is_stack = options.model.is_some() && options.set.is_empty() && stack::by_name(name).is_some();
+    if built_in::by_name(name).is_some() && !is_stack {
         if let Some(model) = options.model {
             return Err(format!("--model {}: {name} is no stack, and has the model that it says", model.name()).into());
         }
@@ -271,8 +335,8 @@ fn material(options: &Options) -> Result<Material, Failure> {
                 format!("--model {}: {name} is a material file, which says its models itself", model.name()).into()
             );
         }
-        return Ok(texture::read_material(path)?.material);
+        return without_walk(name, texture::read_material(path)?.material);
     }
     let change = Change { model: options.model, ..Change::default() };
-    Ok(load(name, change)?.stack.three().into())
+    without_walk(name, load(name, change)?.stack.three().into())
 }

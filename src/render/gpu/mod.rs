@@ -145,6 +145,7 @@ fn texels(scene: &Scene) -> Vec<u8> {
 /// # Errors
 /// Where the material has no twin, and what the device refuses.
 pub fn offline(gpu: &Gpu, scene: &Scene, options: Options, progress: &Progress<'_>) -> Result<Film, PictureError> {
+    scene.prepare(progress);
     let words = words::words(scene, &options, None);
     let program = Program::new(gpu, scene, &[SCENE, SHAPE, OFFLINE], "trace_pixel", &words)?;
     let pixels = scene.camera.pixels() as u32;
@@ -173,6 +174,7 @@ pub fn offline(gpu: &Gpu, scene: &Scene, options: Options, progress: &Progress<'
 /// # Errors
 /// As [`offline()`].
 pub fn realtime(gpu: &Gpu, scene: &Scene, side: u32, progress: &Progress<'_>) -> Result<Film, PictureError> {
+    scene.prepare(progress);
     let environment = Prefiltered::new(&scene.environment);
     let words = words::words(scene, &Options::default(), Some(&environment));
     let program = Program::new(gpu, scene, &[SCENE, REALTIME], "shade_fragment", &words)?;

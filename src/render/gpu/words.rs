@@ -74,9 +74,11 @@ pub(super) fn words(scene: &Scene, options: &Options, levels: Option<&Prefiltere
                 words.0.push(node.count);
             }
             words.here(27);
-            for vertex in mesh.triangles().iter().flatten() {
-                words
-                    .reals(vertex.position.into_iter().chain(vertex.normal).chain(vertex.uv).chain([vertex.occlusion]));
+            for (i, triangle) in mesh.triangles().iter().enumerate() {
+                let occlusion = mesh.occlusion().and_then(|all| all.get(i)).copied().unwrap_or_default();
+                for (vertex, occlusion) in triangle.iter().zip(occlusion) {
+                    words.reals(vertex.position.into_iter().chain(vertex.normal).chain(vertex.uv).chain([occlusion]));
+                }
             }
         }
     }
