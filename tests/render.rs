@@ -226,7 +226,7 @@ fn erfc(x: f64) -> f64 {
 
 #[test]
 fn light_is_found_the_same_in_every_way() {
-    for name in ["clear_coat_over_copper", "varnished_concrete", "iron"] {
+    for name in ["clear_coat_over_copper", "varnish_over_concrete", "iron"] {
         let lit = scene(stack::by_name(name).unwrap(), sources::by_name("studio").unwrap(), 32);
         let by = |strategy, seed| {
             let options = Options { samples: 256, seed, strategy, ..Options::default() };
@@ -582,7 +582,7 @@ mod on_a_gpu {
             all.push((name.to_owned(), Scene { shape, lights, ..scene(material, environment, 24) }));
         };
         add("sphere, copper", Shape::Sphere, stack("clear_coat_over_copper"), studio());
-        add("torus, concrete", Shape::Torus(Torus::new(0.4).unwrap()), stack("varnished_concrete"), sky());
+        add("torus, concrete", Shape::Torus(Torus::new(0.4).unwrap()), stack("varnish_over_concrete"), sky());
         add("plane, iron", Shape::Plane, stack("iron"), studio());
         add("cube, paint", Shape::Mesh(mesh("gpu", CUBE).unwrap()), stack("open_pbr_carpaint"), sky());
         add("sphere, rust", Shape::Sphere, built_in("rusty_iron"), studio());

@@ -72,17 +72,6 @@ fn a_stack_file_takes_a_model() {
 }
 
 #[test]
-fn a_name_of_both_kinds_takes_a_model() {
-    let folder = folder("both");
-    let mean = |model: &[&str]| {
-        let arguments = [&["varnished_concrete", "--json"], model].concat();
-        report(&render(&folder, &arguments))["mean"][0].as_f64().expect("a number")
-    };
-    // The documents' model loses what bounces under the varnish.
-    assert_ne!(mean(&["--model", "elek"]), mean(&["--model", "coupled"]));
-}
-
-#[test]
 fn nothing_is_left_of_a_picture_that_is_broken_off() {
     let folder = folder("broken_off");
     let mut child = Command::new(env!("CARGO_BIN_EXE_brdf"))

@@ -2,19 +2,18 @@
 
 use crate::failure::Failure;
 use crate::gallery;
-use crate::material::{Change, load, model};
+use crate::material::{Change, Varying, load, model, varying};
 use brdf::gpu::Gpu;
 use brdf::layered::Model;
-use brdf::layered::description::{Node, Value};
 use brdf::material::finish::Body;
-use brdf::material::{Material, Part, built_in, stack};
+use brdf::material::{Material, Part, built_in};
 use brdf::render::camera::{Camera, Orbit};
 use brdf::render::environment::Environment;
 use brdf::render::light::Light;
 use brdf::render::mesh::Mesh;
 use brdf::render::shape::Shape;
 use brdf::render::torus::Torus;
-use brdf::render::{Film, Scene, film, gpu, offline, realtime, sources, texture};
+use brdf::render::{Film, Scene, film, gpu, offline, realtime, sources};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
@@ -62,7 +61,7 @@ pub(crate) struct Options {
     /// directional:X,Y,Z[,E] (towards the light; irradiance E, or R,G,B), point:X,Y,Z[,I], point/d:… (thins out as 1/d). +z is up.
     #[arg(long)]
     light: Vec<Light>,
-    /// The model of a stack, but for `walk`; its own by default. A name that a built-in material shares means the stack.
+    /// The model of a stack, but for `walk`; its own by default.
     #[arg(long, value_parser = model)]
     model: Option<Model>,
     /// A number of a built-in material.
@@ -279,24 +278,6 @@ fn environment(name: &str) -> Result<Environment, String> {
     }
 }
 
-/// Whether a file describes one stack, which has layers of its own, or a material, which has parts or is one that is built in.
-fn is_stack_file(path: &Path) -> Result<bool, String> {
-    let locate = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-    let text = std::fs::read_to_string(path).map_err(|error| locate(&error))?;
-    let node = Node::from_toml(&text).map_err(|error| locate(&error))?;
-    let has =
-        |wanted: &str| matches!(&node.value, Value::Table(entries) if entries.iter().any(|(key, _)| key == wanted));
-    if has("layer") {
-        return Ok(true);
-    }
-    if ["part", "material", "parameters"].into_iter().any(has) {
-        return Ok(false);
-    }
-    Err(locate(
-        &"a stack file has [[layer]] tables, a material file [[part]] tables or `material`; this has none of them",
-    ))
-}
-
 /// Refuses what takes a random walk for every value: minutes for a picture of 16×16.
 fn without_walk(name: &str, material: Material) -> Result<Material, Failure> {
     let walks = |part: &Part| matches!(&part.finish.body, Body::Whole(stack) if stack.model() == Model::Walk);
@@ -318,25 +299,19 @@ fn material(options: &Options) -> Result<Material, Failure> {
             .to_owned()
             .into());
     }
-    let is_stack = options.model.is_some() && options.set.is_empty() && stack::by_name(name).is_some();
-    if built_in::by_name(name).is_some() && !is_stack {
-        if let Some(model) = options.model {
-            return Err(format!("--model {}: {name} is no stack, and has the model that it says", model.name()).into());
-        }
-        return built_in::with(name, &options.set).map_err(|error| Failure::Input(error.to_string()));
-    }
-    if let Some((key, _)) = options.set.first() {
+    let varying = varying(name)?;
+    if let (Some((key, _)), None | Some(Varying::File(_))) = (options.set.first(), &varying) {
         return Err(format!("--set {key}: only the built-in materials of `brdf list` have numbers to set").into());
     }
-    let path = Path::new(name);
-    if path.is_file() && !is_stack_file(path)? {
-        if let Some(model) = options.model {
-            return Err(
-                format!("--model {}: {name} is a material file, which says its models itself", model.name()).into()
-            );
-        }
-        return without_walk(name, texture::read_material(path)?.material);
+    if let (Some(model), Some(_)) = (options.model, &varying) {
+        return Err(format!("--model {}: {name} is no stack, and has the models that it says", model.name()).into());
     }
-    let change = Change { model: options.model, ..Change::default() };
-    without_walk(name, load(name, change)?.stack.three().into())
+    match varying {
+        Some(Varying::BuiltIn) => Ok(built_in::with(name, &options.set).map_err(|error| error.to_string())?),
+        Some(Varying::File(file)) => without_walk(name, file.material),
+        None => {
+            let change = Change { model: options.model, ..Change::default() };
+            without_walk(name, load(name, change)?.stack.three().into())
+        }
+    }
 }
