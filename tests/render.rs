@@ -525,6 +525,8 @@ fn broken_meshes_are_refused() {
         ("v 0 0 0\nv 1 0 x\nf 1 2 3\n", "line 2: `x` is no number"),
         ("v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n", "all vertices are one point"),
         ("v 1 0 0\nv 2 0 0\nv 3 0 0\nf 1 2 3\n", "no triangles with an area"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 1e60 0\nf 1/1 2/1 3/1\n", "triangle 1: texture coordinates [1e60, 0.0]"),
+        ("v 0 0 0\nv 1e200 0 0\nv 0 1 0\nf 1 2 3\n", "triangle 1: a vertex at"),
         ("solid cube\n facet normal 0 0 1\n", "line 1: `solid` begins no line of an OBJ file"),
         ("", "no triangles"),
     ] {

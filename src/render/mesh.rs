@@ -70,8 +70,8 @@ impl Mesh {
     /// A mesh of triangles, moved and scaled to the unit sphere. Triangles without an area, which no ray meets, are left out.
     ///
     /// # Errors
-    /// Without triangles, with a position that is infinite or not a number (which is named by its triangle, counted from 1), or beyond 1e100, and
-    /// where no triangle has an area.
+    /// Without triangles, with a position that is infinite or not a number (which is named by its triangle, counted from 1), or beyond 1e100, with
+    /// texture coordinates beyond 1e9, and where no triangle has an area.
     pub fn new(triangles: &[[Corner; 3]]) -> Result<Self, String> {
         if triangles.is_empty() {
             return Err("no triangles; a face has three corners at least (lines `f`)".to_owned());
@@ -80,8 +80,8 @@ impl Mesh {
         for (i, corner) in triangles.iter().enumerate().flat_map(|(i, t)| t.iter().map(move |corner| (i, corner))) {
             for axis in 0..3 {
                 let x = corner.position[axis];
-                // Squares of larger ones would overflow; NaN is not below either.
-                if !(x.abs() <= 1e100) {
+                // Squares of larger ones would overflow.
+                if !x.is_finite() || x.abs() > 1e100 {
                     let at = corner.position;
                     return Err(format!(
                         "triangle {}: a vertex at {at:?}; coordinates are finite and within 1e100",
@@ -90,6 +90,9 @@ impl Mesh {
                 }
                 low[axis] = low[axis].min(x);
                 high[axis] = high[axis].max(x);
+            }
+            if let Some(uv) = corner.uv.filter(|uv| uv.iter().any(|x| !x.is_finite() || x.abs() > 1e9)) {
+                return Err(format!("triangle {}: texture coordinates {uv:?}; they are within 1e9", i + 1));
             }
         }
         let centre = Vector::from([0, 1, 2].map(|axis: usize| 0.5 * low[axis] + 0.5 * high[axis]));

@@ -76,6 +76,10 @@ impl Prefiltered {
 struct Square {
     /// The centre of its light; of its directions where it is dark.
     towards: [f32; 3],
+    /// The centre of its directions.
+    middle: [f32; 3],
+    /// Whether the two differ by more than a hundredth of its width.
+    uneven: bool,
     /// Radiance times solid angle.
     power: [f32; 3],
     solid: f32,
@@ -84,27 +88,31 @@ struct Square {
 /// Adds up the squares or texels that make a square.
 #[derive(Default)]
 struct Sum {
-    lit: [f64; 3],
-    even: [f64; 3],
+    lit: Vector<f64>,
+    even: Vector<f64>,
     power: [f64; 3],
     solid: f64,
 }
 
 impl Sum {
-    fn add(&mut self, towards: [f64; 3], power: [f64; 3], solid: f64) {
-        let light: f64 = power.iter().sum();
-        for c in 0..3 {
-            self.lit[c] += light * towards[c];
-            self.even[c] += solid * towards[c];
-            self.power[c] += power[c];
-        }
+    fn add(&mut self, towards: Vector<f64>, middle: Vector<f64>, power: [f64; 3], solid: f64) {
+        self.lit = self.lit + towards * power.iter().sum::<f64>();
+        self.even = self.even + middle * solid;
+        self.power = [0, 1, 2].map(|c: usize| self.power[c] + power[c]);
         self.solid += solid;
     }
 
     fn square(&self) -> Square {
-        let lit = self.power.iter().sum::<f64>() > 0.0;
-        let towards: [f64; 3] = Vector::from(if lit { self.lit } else { self.even }).normalized().into();
-        Square { towards: towards.map(|x| x as f32), power: self.power.map(|x| x as f32), solid: self.solid as f32 }
+        let middle = self.even.normalized();
+        let towards = if self.power.iter().sum::<f64>() > 0.0 { self.lit.normalized() } else { middle };
+        let single = |v: Vector<f64>| <[f64; 3]>::from(v).map(|x| x as f32);
+        Square {
+            towards: single(towards),
+            middle: single(middle),
+            uneven: (towards - middle).length_squared() > 1e-4 * self.solid,
+            power: self.power.map(|x| x as f32),
+            solid: self.solid as f32,
+        }
     }
 }
 
@@ -124,7 +132,7 @@ fn pyramid(map: &Map) -> Vec<(usize, Vec<Square>)> {
             } else {
                 map.look(w).0
             };
-            sum.add(w.into(), radiance.map(|x| x * solid), solid);
+            sum.add(w, w, radiance.map(|x| x * solid), solid);
         }
         sum.square()
     };
@@ -134,7 +142,8 @@ fn pyramid(map: &Map) -> Vec<(usize, Vec<Square>)> {
         let square = |i: usize| {
             let mut sum = Sum::default();
             for child in children(half, i).into_iter().filter_map(|child| squares.get(child)) {
-                sum.add(child.towards.map(f64::from), child.power.map(f64::from), f64::from(child.solid));
+                let [towards, middle] = [child.towards, child.middle].map(|w| Vector::from(w.map(f64::from)));
+                sum.add(towards, middle, child.power.map(f64::from), f64::from(child.solid));
             }
             sum.square()
         };
@@ -200,42 +209,45 @@ impl Lobe {
         })
     }
 
-    /// The exponent of the weight of light at this angle from the lobe's middle.
-    fn exponent(self, angle: f64) -> f64 {
-        let tan = (0.5 * angle).tan();
-        if self.alpha >= 1.0 { 0.0 } else { tan * tan / (self.alpha * self.alpha) }
-    }
-
-    /// The angle beyond which nothing counts: the horizon, or what the deepest exponent leaves.
+    /// The distance of directions beyond which nothing counts: the horizon, or what the deepest exponent leaves.
     fn reach(self) -> f64 {
-        (2.0 * (self.alpha * DEEPEST.sqrt()).atan()).min(core::f64::consts::FRAC_PI_2)
+        let sine = (self.alpha * DEEPEST.sqrt()).atan().sin();
+        if self.alpha >= 1.0 { core::f64::consts::SQRT_2 } else { (2.0 * sine).min(core::f64::consts::SQRT_2) }
     }
 
-    /// How wide a square may be that light comes from at this angle, at least: a quarter of the angle 2α at which 1/e is left, more where less counts,
-    /// and little enough to follow the horizon.
-    fn grain(self, angle: f64) -> f64 {
-        (0.5 * self.alpha * (self.exponent(angle) / 3.0).min(4.0).exp()).min(0.07)
+    /// How wide a square may be that is at least this far: a quarter of the angle 2α at which 1/e is left, more where less counts, and little enough to
+    /// follow the horizon.
+    fn grain(self, apart: f64) -> f64 {
+        let squared = apart * apart;
+        let exponent =
+            if self.alpha >= 1.0 { 0.0 } else { squared / ((4.0 - squared).max(2.0) * self.alpha * self.alpha) };
+        (0.5 * self.alpha * (exponent / 3.0).min(4.0).exp()).min(WIDEST)
     }
 }
 
-/// The squares that light around a block of texels comes from, each fine enough.
+/// The widest square that is counted.
+const WIDEST: f64 = 0.07;
+
+/// The squares that light around a block of texels comes from, each fine enough. Distances are those of points on the unit sphere.
 fn around(pyramid: &[(usize, Vec<Square>)], lobe: Lobe, middle: Vector<f64>, radius: f64) -> Vec<Square> {
     let mut found = Vec::new();
     let last = pyramid.len().saturating_sub(1);
     let mut waiting: Vec<(usize, usize)> =
         (0..pyramid.last().map_or(0, |level| level.1.len())).map(|i| (last, i)).collect();
+    let reach = lobe.reach() + radius;
     while let Some((level, index)) = waiting.pop() {
         let Some((side, square)) = pyramid.get(level).and_then(|level| Some((level.0, level.1.get(index)?))) else {
             continue;
         };
         let width = f64::from(square.solid).sqrt();
-        let apart = middle.dot(Vector::from(square.towards.map(f64::from))).clamp(-1.0, 1.0).acos();
-        if level == 0 || width <= lobe.grain((apart - radius - width).max(0.0)) {
-            if apart <= lobe.reach() + radius {
+        let apart = (middle - Vector::from(square.towards.map(f64::from))).length_squared().sqrt();
+        let fine = || width <= WIDEST && width <= lobe.grain((apart - radius - width).max(0.0));
+        if level == 0 || fine() {
+            if apart <= reach {
                 found.push(*square);
             }
         // A square is a rhombus of up to 60°, whose longer diagonal is 1.86 of its width; its light may lie at one end.
-        } else if apart <= lobe.reach() + radius + 2.0 * width {
+        } else if apart <= reach + 2.0 * width {
             waiting.extend(children(side, index).map(|child| (level - 1, child)));
         }
     }
@@ -250,21 +262,24 @@ fn blurred(pyramid: &[(usize, Vec<Square>)], alpha: f64, side: usize) -> Map {
             |i: usize| Map::centre(side, block % blocks * BLOCK + i % BLOCK, block / blocks * BLOCK + i / BLOCK).0;
         let texels: [Vector<f64>; LANES] = core::array::from_fn(texel);
         let middle = texels.iter().fold(Vector::default(), |sum, w| sum + *w).normalized();
-        let radius = texels.iter().map(|w| middle.dot(*w).clamp(-1.0, 1.0).acos()).fold(0.0, f64::max);
+        let radius = texels.iter().map(|w| (middle - *w).length_squared()).fold(0.0, f64::max).sqrt();
         let [x, y, z] = [|w: &Vector<f64>| w.x, |w: &Vector<f64>| w.y, |w: &Vector<f64>| w.z]
             .map(|axis| texels.each_ref().map(|w| axis(w) as f32));
         let (mut sums, mut total) = ([[0.0f32; LANES]; 3], [0.0f32; LANES]);
         for square in around(pyramid, lobe, middle, radius) {
-            let mut squared = [0.0f32; LANES];
+            let weights = |[to_x, to_y, to_z]: [f32; 3]| {
+                lobe.weights(core::array::from_fn(|i| {
+                    let (dx, dy, dz) = (to_x - x[i], to_y - y[i], to_z - z[i]);
+                    dx * dx + dy * dy + dz * dz
+                }))
+            };
+            // The weight of its light, and of its directions: what a constant light would have.
+            let weights_of_light = weights(square.towards);
+            let weights_of_all = if square.uneven { weights(square.middle) } else { weights_of_light };
             for i in 0..LANES {
-                let (dx, dy, dz) = (square.towards[0] - x[i], square.towards[1] - y[i], square.towards[2] - z[i]);
-                squared[i] = dx * dx + dy * dy + dz * dz;
-            }
-            let weights = lobe.weights(squared);
-            for i in 0..LANES {
-                total[i] += weights[i] * square.solid;
+                total[i] += weights_of_all[i] * square.solid;
                 for c in 0..3 {
-                    sums[c][i] += weights[i] * square.power[c];
+                    sums[c][i] += weights_of_light[i] * square.power[c];
                 }
             }
         }

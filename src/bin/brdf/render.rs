@@ -175,7 +175,8 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
         let report = json!({
             "file": options.out.display().to_string(), "width": film.width(), "height": film.height(),
             "samples": samples, "seed": options.seed, "device": device, "seconds": seconds,
-            "samples_per_second": paths / seconds, "clipped": clipped, "not_finite": not_finite, "mean": mean, "largest": largest,
+            "samples_per_second": paths / seconds, "clipped": clipped, "not_finite": not_finite,
+            "mean": mean, "largest": largest,
         });
         writeln!(out, "{report:#}")?;
     } else {
