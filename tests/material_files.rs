@@ -3,7 +3,7 @@
 
 use brdf::layered::{Model, Widths};
 use brdf::material::description::{ImageRequest, MaterialFile, read_file};
-use brdf::material::field::{Colour, Lookup, Noise, Property, Scalar};
+use brdf::material::field::{Colour, Lookup, Noise, Property, Scalar, Scratches};
 use brdf::material::finish::{Body, Boundary, BrushedMetal, Coat, Encoding, Finish, Flakes, Layers, Relief};
 use brdf::material::{Material, Part, Point, built_in, metal};
 use brdf::texture::image::{self, Filter, Image};
@@ -161,6 +161,11 @@ fn every_number_that_varies_is_read() {
             Scalar::Fractal(noise),
         ),
         ("{ ridged = { frequency = 1 } }", Scalar::Ridged(Noise::new(0, 1.0))),
+        (
+            "{ scratches = { seed = 2, frequency = [1, 2, 3], density = 0.5, width = 0.02, layers = 7 } }",
+            Scalar::Scratches(Scratches { seed: 2, frequency: [1.0, 2.0, 3.0], density: 0.5, width: 0.02, layers: 7 }),
+        ),
+        ("{ scratches = { frequency = 1 } }", Scalar::Scratches(Scratches::new(0, 1.0))),
         ("{ image = \"a.png\" }", Scalar::Image(Lookup { image: 0, repeat: [1.0; 2] }, 0)),
         (
             "{ image = \"a.png\", channel = \"a\", repeat = [2, 3] }",
@@ -478,6 +483,20 @@ fn numbers_that_vary_are_refused_with_their_place() {
         ("{ noise = { frequency = inf } }", ".noise.frequency: inf is not allowed, it must be in [-1e30, 1e30]"),
         ("{ noise = { frequency = 1, gain = \"x\" } }", ".noise.gain: found a string, expected a number"),
         ("{ noise = { frequency = 1 }, ridged = {} }", ".ridged: unknown key, allowed: `noise`"),
+        ("{ scratches = {} }", ".scratches.frequency: missing"),
+        (
+            "{ scratches = { frequency = 1, density = 2 } }",
+            ".scratches.density: 2 is not allowed, it must be in [0, 1]",
+        ),
+        (
+            "{ scratches = { frequency = 1, width = 1 } }",
+            ".scratches.width: 1 is not allowed, it must be in [0, 0.375]",
+        ),
+        (
+            "{ scratches = { frequency = 1, layers = 65 } }",
+            ".scratches.layers: 65 is not allowed, it must be a whole number in [1, 64]",
+        ),
+        ("{ scratches = { frequency = 1, octaves = 2 } }", ".scratches.octaves: unknown key"),
         ("{ image = 3 }", ".image: found a number, expected a string"),
         ("{ image = \"\" }", ".image: found an empty name"),
         ("{ image = \"missing.png\" }", ".image: \"missing.png\" cannot be used: no such file"),

@@ -6,9 +6,10 @@
 use super::kubelka_munk;
 use super::patina::patina_extent;
 use super::point::Point;
+use crate::frame::Vector;
 use crate::real::Real;
 use crate::texture::image::Image;
-use crate::texture::{mask, noise, ramp::Ramp};
+use crate::texture::{mask, noise, ramp::Ramp, scratch};
 use alloc::boxed::Box;
 
 /// A number that varies over a surface.
@@ -23,6 +24,8 @@ pub enum Scalar {
     Fractal(Noise),
     /// Fractal noise whose octaves are 1 − |noise|: thin bright lines where the noise crosses 0. From 0 to the sum of amplitudes.
     Ridged(Noise),
+    /// Straight grooves at the point's position: 0 between them, 1 in the middle of one.
+    Scratches(Scratches),
     /// A channel of an image over `uv`.
     Image(Lookup, usize),
     /// `of`·factor + offset.
@@ -143,11 +146,42 @@ impl Noise {
     pub const fn octaves(self, octaves: u32) -> Self {
         Noise { octaves, ..self }
     }
+}
 
-    fn place<R: Real>(&self, point: &Point<R>) -> crate::frame::Vector<R> {
-        let [x, y, z] = self.frequency.map(R::from_f64);
-        crate::frame::Vector::new(point.position.x * x, point.position.y * y, point.position.z * z)
+/// Scratches in the space of the object ([`scratch::scratches`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scratches {
+    /// Which scratches: other seeds, other places.
+    pub seed: u32,
+    /// The cells in a unit of length along each axis: a scratch is up to ¾ of a cell long. Unequal ones give scratches of one direction.
+    pub frequency: [f64; 3],
+    /// The share of cells with a scratch, in [0, 1].
+    pub density: f64,
+    /// Half the width of a scratch in cells, at most 3/8.
+    pub width: f64,
+    /// How many lattices of scratches are laid over one another, at most [`Scratches::MOST_LAYERS`].
+    pub layers: u32,
+}
+
+impl Scratches {
+    /// More would leave nothing to scratch.
+    pub const MOST_LAYERS: u32 = 64;
+
+    /// Scratches of one layer, with `frequency` cells in a unit of length, each with one.
+    pub const fn new(seed: u32, frequency: f64) -> Self {
+        Scratches { seed, frequency: [frequency; 3], density: 1.0, width: 0.01, layers: 1 }
     }
+
+    /// The same with `layers` layers.
+    pub const fn layers(self, layers: u32) -> Self {
+        Scratches { layers, ..self }
+    }
+}
+
+/// Where a point lies among cells of which there are `frequency` in a unit of length.
+fn in_cells<R: Real>(point: &Point<R>, frequency: [f64; 3]) -> Vector<R> {
+    let [x, y, z] = frequency.map(R::from_f64);
+    Vector::new(point.position.x * x, point.position.y * y, point.position.z * z)
 }
 
 /// Which image of a material is looked up, and how often it repeats over the surface.
@@ -211,11 +245,30 @@ impl Scalar {
             Scalar::Of(property) => property.at(point),
             Scalar::Fractal(noise) => {
                 let [amplitude, gain, lacunarity] = [noise.amplitude, noise.gain, noise.lacunarity].map(number);
-                noise::fractal(noise.place(point), noise.seed, amplitude, R::ONE, noise.octaves, gain, lacunarity)
+                noise::fractal(
+                    in_cells(point, noise.frequency),
+                    noise.seed,
+                    amplitude,
+                    R::ONE,
+                    noise.octaves,
+                    gain,
+                    lacunarity,
+                )
             }
             Scalar::Ridged(noise) => {
                 let [amplitude, gain, lacunarity] = [noise.amplitude, noise.gain, noise.lacunarity].map(number);
-                noise::ridged(noise.place(point), noise.seed, amplitude, R::ONE, noise.octaves, gain, lacunarity)
+                noise::ridged(
+                    in_cells(point, noise.frequency),
+                    noise.seed,
+                    amplitude,
+                    R::ONE,
+                    noise.octaves,
+                    gain,
+                    lacunarity,
+                )
+            }
+            Scalar::Scratches(Scratches { seed, frequency, density, width, layers }) => {
+                scratch::scratches(in_cells(point, *frequency), *seed, number(*density), number(*width), *layers)
             }
             Scalar::Image(lookup, channel) => lookup.texel(point, images).get(*channel).copied().unwrap_or(R::ZERO),
             Scalar::Scaled { of, factor, offset } => of.at(point, images) * number(*factor) + number(*offset),
@@ -244,7 +297,12 @@ impl Scalar {
     pub(crate) fn each(&self, visit: &mut dyn FnMut(&Scalar)) {
         visit(self);
         match self {
-            Scalar::Constant(_) | Scalar::Of(_) | Scalar::Fractal(_) | Scalar::Ridged(_) | Scalar::Image(..) => {}
+            Scalar::Constant(_)
+            | Scalar::Of(_)
+            | Scalar::Fractal(_)
+            | Scalar::Ridged(_)
+            | Scalar::Scratches(_)
+            | Scalar::Image(..) => {}
             Scalar::Scaled { of, .. }
             | Scalar::Levels { of, .. }
             | Scalar::Threshold { of, .. }

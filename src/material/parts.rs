@@ -1,6 +1,6 @@
 //! A material: its parts, what each covers, and the images they read.
 
-use super::field::{Colour, Lookup, Noise, Scalar};
+use super::field::{Colour, Lookup, Noise, Scalar, Scratches};
 use super::finish::{Body, Boundary, Coat, Finish, Flakes, Relief};
 use super::point::Point;
 use super::spot::{MOST_LAYERS, MOST_PARTS, Spot};
@@ -60,7 +60,7 @@ impl Material {
     /// # Errors
     ///
     /// Names the part, the layer and what is wrong: no part or more than four; no layer or more than four; a diffuse base that is
-    /// not the last layer; a model without closed form over layers that vary; numbers that are not finite; octaves, images or channels that
+    /// not the last layer; a model without closed form over layers that vary; numbers that are not finite; octaves, layers of scratches, images or channels that
     /// do not exist; `returns` without a diffuse base under one clear coat of a constant index.
     pub fn new(parts: Vec<Part>, images: Vec<Image>) -> Result<Self, MaterialError> {
         let count = parts.len();
@@ -249,6 +249,15 @@ fn scalar_problem(scalar: &Scalar, images: &[Image]) -> Option<String> {
             let many = !(1..=most).contains(&octaves);
             finite(&[amplitude, x, y, z, gain, lacunarity])
                 .or_else(|| many.then(|| format!("a noise has {octaves} octaves, it may have 1 to {most}")))
+        }
+        Scalar::Scratches(scratches) => {
+            let Scratches { frequency: [x, y, z], density, width, layers, .. } = *scratches;
+            let most = Scratches::MOST_LAYERS;
+            let many = !(1..=most).contains(&layers);
+            finite(&[x, y, z, density, width])
+                .or_else(|| negative("density", density))
+                .or_else(|| negative("width", width))
+                .or_else(|| many.then(|| format!("scratches have {layers} layers, they may have 1 to {most}")))
         }
         Scalar::Image(lookup, channel) => {
             let many = *channel > 3;

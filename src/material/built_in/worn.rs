@@ -1,7 +1,7 @@
 //! Metals that were used: brushed, scratched, dirty (Mihaylov, §3.1.4, §3.2 and §4.2).
 
 use super::{BuiltIn, Parameter};
-use crate::material::field::{Colour, Noise, Property, Scalar};
+use crate::material::field::{Colour, Noise, Property, Scalar, Scratches};
 use crate::material::finish::{Body, BrushedMetal, Coat, Finish, Relief};
 use crate::material::metal;
 use crate::material::parts::{Material, MaterialError, Part};
@@ -48,15 +48,13 @@ fn index(name: &str) -> ([f64; 3], [f64; 3]) {
 }
 
 impl WornMetal {
-    /// How deep scratches are at a point, from 0 to 1: long lines in two directions.
+    /// How deep scratches are at a point, from 0 to 1: long ones, and short ones over them.
     pub fn scratches(&self) -> Scalar {
-        let lines = |seed: u32, frequency: [f64; 3]| {
-            let noise = Noise { frequency, ..Noise::new(self.seed.wrapping_add(seed), 1.0) };
-            // A line is where noise crosses 0: the top of 1 − |noise|, the wider the more of them there are.
-            Scalar::Ridged(noise).levels(1.0 - 0.12 * self.amount, 1.0)
-        };
-        let both = lines(0, [0.6, 13.0, 9.0]).plus(lines(1, [16.0, 0.8, 6.0]));
-        both.levels(0.0, 1.0)
+        let [long, short] = [(0, 1.1, 0.004, 24), (1, 3.0, 0.008, 12)].map(|(seed, frequency, width, layers)| {
+            let scratches = Scratches::new(self.seed.wrapping_add(seed), frequency).layers(layers);
+            Scalar::Scratches(Scratches { density: self.amount, width, ..scratches })
+        });
+        long.plus(short).levels(0.0, 1.0)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Fields as WGSL: a statement for each node, in the order in which they are needed.
 
-use crate::material::field::{Colour, Lookup, Noise, Property, Scalar};
+use crate::material::field::{Colour, Lookup, Noise, Property, Scalar, Scratches};
 use crate::texture::image::Image;
 use crate::texture::ramp::Ramp;
 use alloc::format;
@@ -48,6 +48,10 @@ impl<'a> Statements<'a> {
             Scalar::Of(property) => return property_of(*property).to_string(),
             Scalar::Fractal(noise) => noise_call("fractal", noise),
             Scalar::Ridged(noise) => noise_call("ridged", noise),
+            Scalar::Scratches(Scratches { seed, frequency, density, width, layers }) => {
+                let (place, [density, width]) = (in_cells(*frequency), [*density, *width].map(literal));
+                format!("brdf::scratch::scratches({place}, {seed}u, {density}, {width}, {layers}u)")
+            }
             Scalar::Image(lookup, channel) => {
                 let component = ["x", "y", "z", "w"].get(*channel).copied().unwrap_or("w");
                 format!("{}.{component}", self.texel(lookup))
@@ -126,8 +130,13 @@ impl<'a> Statements<'a> {
     }
 }
 
+/// Where the point lies among cells of which there are `frequency` in a unit of length.
+fn in_cells(frequency: [f64; 3]) -> String {
+    format!("point.position * {}", vector(frequency))
+}
+
 fn noise_call(name: &str, noise: &Noise) -> String {
-    let place = format!("point.position * {}", vector(noise.frequency));
+    let place = in_cells(noise.frequency);
     let [amplitude, gain, lacunarity] = [noise.amplitude, noise.gain, noise.lacunarity].map(literal);
     let (seed, octaves) = (noise.seed, noise.octaves);
     format!("brdf::noise::{name}({place}, {seed}u, {amplitude}, 1.0, {octaves}u, {gain}, {lacunarity})")
