@@ -41,7 +41,7 @@ pub enum Scalar {
     Sum(Box<Scalar>, Box<Scalar>),
     /// The product of two.
     Product(Box<Scalar>, Box<Scalar>),
-    /// From the first to the second as the third goes from 0 to 1.
+    /// From the first to the second as the third goes from 0 to 1; the third is clamped there.
     Mix(Box<Scalar>, Box<Scalar>, Box<Scalar>),
     /// A grey mask: 0 at `black`, 1 at `white`, linear between and constant beyond ([`mask::grey`]).
     Levels {
@@ -52,13 +52,13 @@ pub enum Scalar {
         /// Where the result is 1.
         white: f64,
     },
-    /// A mask: 0 at and below `at`, 1 above it, over a width of `softness` ([`mask::soft_threshold`]).
+    /// A mask: 0 up to `at` − `softness`, 1 from `at` + `softness` on, smooth between ([`mask::soft_threshold`]).
     Threshold {
         /// What is looked at.
         of: Box<Scalar>,
         /// Where the result is ½.
         at: f64,
-        /// How wide the edge is; 0 for a sharp one.
+        /// Half the width of the edge; 0 for a sharp one, which is 0 at `at` itself.
         softness: f64,
     },
     /// How far patina has come ([`patina_extent`]): early where `of` is small.
@@ -67,7 +67,7 @@ pub enum Scalar {
         of: Box<Scalar>,
         /// How far it has come over the whole surface, from −transition to 1 + transition.
         extent: f64,
-        /// The softness of its edge.
+        /// Half the width of its edge.
         transition: f64,
     },
 }
@@ -222,7 +222,7 @@ impl Scalar {
         Scalar::Sum(Box::new(self), Box::new(other.into()))
     }
 
-    /// A mask that is 1 where this is above `at`.
+    /// A mask: 0 up to `at` − `softness`, 1 from `at` + `softness` on.
     pub fn above(self, at: f64, softness: f64) -> Self {
         Scalar::Threshold { of: Box::new(self), at, softness }
     }
@@ -232,7 +232,7 @@ impl Scalar {
         Scalar::Levels { of: Box::new(self), black, white }
     }
 
-    /// From `first` to `second` as `share` goes from 0 to 1.
+    /// From `first` to `second` as `share` goes from 0 to 1, and no further.
     pub fn mix(first: impl Into<Scalar>, second: impl Into<Scalar>, share: Scalar) -> Self {
         Scalar::Mix(Box::new(first.into()), Box::new(second.into()), Box::new(share))
     }
@@ -313,9 +313,10 @@ impl Scalar {
     }
 }
 
-/// From `a` to `b` as `share` goes from 0 to 1; exact at both.
+/// From `a` to `b` as `share` goes from 0 to 1; exact at both, and the same beyond them.
 #[inline]
 fn between<R: Real>(a: R, b: R, share: R) -> R {
+    let share = share.saturate();
     a * (R::ONE - share) + b * share
 }
 
@@ -329,13 +330,13 @@ pub enum Colour {
     Grey(Scalar),
     /// The colour of a ramp where the number says.
     Ramp(Ramp<3>, Scalar),
-    /// The colour of a ramp's band: constant within each, over a width of `softness` at the edges.
+    /// The colour of a ramp's band: constant within each, blended within ± `softness` of the edges.
     Bands(Ramp<3>, f64, Scalar),
     /// The colour of an image over `uv`.
     Image(Lookup),
     /// A colour times a number.
     Scaled(Box<Colour>, Scalar),
-    /// From the first to the second as the number goes from 0 to 1.
+    /// From the first to the second as the number goes from 0 to 1; the number is clamped there.
     Mix(Box<Colour>, Box<Colour>, Scalar),
     /// What a film that scatters and absorbs reflects over a ground ([`kubelka_munk::film`]).
     Film {
@@ -343,9 +344,9 @@ pub enum Colour {
         absorption: [f64; 3],
         /// The scattering in 1/length.
         scattering: [f64; 3],
-        /// How thick the film is.
+        /// How thick the film is; nothing where it is below 0.
         thickness: Scalar,
-        /// The reflectance of what lies under it.
+        /// The reflectance of what lies under it, clamped to [0, 1].
         ground: Box<Colour>,
     },
 }
@@ -363,7 +364,7 @@ impl From<f64> for Colour {
 }
 
 impl Colour {
-    /// From `first` to `second` as `share` goes from 0 to 1.
+    /// From `first` to `second` as `share` goes from 0 to 1, and no further.
     pub fn mix(first: impl Into<Colour>, second: impl Into<Colour>, share: Scalar) -> Self {
         Colour::Mix(Box::new(first.into()), Box::new(second.into()), share)
     }
@@ -390,8 +391,9 @@ impl Colour {
             }
             Colour::Film { absorption, scattering, thickness, ground } => {
                 let (thickness, ground): (R, [R; 3]) = (thickness.at(point, images), ground.at(point, images));
+                let thickness = thickness.max(R::ZERO);
                 core::array::from_fn(|c| {
-                    kubelka_munk::film(number(absorption[c]), number(scattering[c]), thickness, ground[c])
+                    kubelka_munk::film(number(absorption[c]), number(scattering[c]), thickness, ground[c].saturate())
                 })
             }
         }

@@ -59,6 +59,8 @@ pub mod glint;
 pub mod kubelka_munk;
 pub mod metal;
 #[cfg(feature = "std")]
+mod mirror;
+#[cfg(feature = "std")]
 mod parts;
 pub mod patina;
 mod point;

@@ -62,7 +62,7 @@ impl<'a> Statements<'a> {
             Scalar::Sum(a, b) => format!("{} + {}", self.scalar(a), self.scalar(b)),
             Scalar::Product(a, b) => format!("{} * {}", self.scalar(a), self.scalar(b)),
             Scalar::Mix(a, b, share) => {
-                let (a, b, share) = (self.scalar(a), self.scalar(b), self.scalar(share));
+                let (a, b, share) = (self.scalar(a), self.scalar(b), self.share(share));
                 format!("{a} * (1.0 - {share}) + {b} * {share}")
             }
             Scalar::Levels { of, black, white } => {
@@ -77,6 +77,12 @@ impl<'a> Statements<'a> {
             }
         };
         self.named(&expression)
+    }
+
+    /// The expression of a number clamped to [0, 1].
+    fn share(&mut self, scalar: &Scalar) -> String {
+        let scalar = self.scalar(scalar);
+        self.named(&format!("clamp({scalar}, 0.0, 1.0)"))
     }
 
     /// The expression of a colour at `point`.
@@ -95,12 +101,13 @@ impl<'a> Statements<'a> {
             Colour::Image(lookup) => format!("{}.xyz", self.texel(lookup)),
             Colour::Scaled(colour, factor) => format!("{} * {}", self.colour(colour), self.scalar(factor)),
             Colour::Mix(a, b, share) => {
-                let (a, b, share) = (self.colour(a), self.colour(b), self.scalar(share));
+                let (a, b, share) = (self.colour(a), self.colour(b), self.share(share));
                 format!("{a} * (1.0 - {share}) + {b} * {share}")
             }
             Colour::Film { absorption, scattering, thickness, ground } => {
                 let (thickness, ground) = (self.scalar(thickness), self.colour(ground));
-                let ground = self.named(&ground);
+                let ground = self.named(&format!("clamp({ground}, vec3f(0.0), vec3f(1.0))"));
+                let thickness = self.named(&format!("max({thickness}, 0.0)"));
                 let channel = |c: usize, component: &str| {
                     let (absorption, scattering) = (literal(absorption[c]), literal(scattering[c]));
                     format!("brdf::kubelka_munk::film({absorption}, {scattering}, {thickness}, {ground}.{component})")
@@ -113,7 +120,9 @@ impl<'a> Statements<'a> {
 
     /// The expression of a texel.
     pub(super) fn texel(&mut self, lookup: &Lookup) -> String {
-        let first: u32 = self.images.iter().take(lookup.image).map(|image| image.width() * image.height()).sum();
+        // A material has at most `MOST_TEXELS` in all, which these indices hold.
+        let texels = |image: &Image| image.width().saturating_mul(image.height());
+        let first = self.images.iter().take(lookup.image).map(texels).fold(0, u32::saturating_add);
         let [u, v] = lookup.repeat.map(literal);
         let Some(image) = self.images.get(lookup.image) else { return "vec4f(0.0, 0.0, 0.0, 0.0)".to_string() };
         let (width, height, function) = (image.width(), image.height(), image.function());
