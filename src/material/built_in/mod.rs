@@ -192,5 +192,5 @@ pub fn with(name: &str, changes: &[(String, f64)]) -> Result<Material, Parameter
 
 /// Colours of a part that make no ramp.
 fn no_ramp(part: usize, error: &RampError) -> MaterialError {
-    MaterialError { part, layer: None, problem: error.to_string() }
+    MaterialError { part, layer: None, key: None, problem: error.to_string() }
 }
