@@ -94,9 +94,11 @@ pub struct BrushedSteel {
     pub along: f64,
     /// The α across the grooves.
     pub across: f64,
-    /// The direction of the grooves in turns: 0 along u, ¼ along v.
+    /// The direction of the grooves in turns: 0 along u, which is around the axis of a sphere or torus about z, ¼ along v.
     pub turn: f64,
-    /// How much the width differs from groove to groove, from 0 to 1.
+    /// How much the width differs from groove to groove, from 0 to 1. The streaks are solid noise, drawn out along circles about z or along z
+    /// itself: those are the grooves of a cylinder and of a sphere near its equator, towards the poles they become grains, as they are where
+    /// grooves run obliquely.
     pub variety: f64,
     /// Which grooves.
     pub seed: u32,
@@ -104,7 +106,7 @@ pub struct BrushedSteel {
 
 impl Default for BrushedSteel {
     fn default() -> Self {
-        BrushedSteel { along: 0.08, across: 0.35, turn: 0.0, variety: 0.4, seed: 9 }
+        BrushedSteel { along: 0.08, across: 0.35, turn: 0.25, variety: 0.4, seed: 9 }
     }
 }
 
@@ -120,8 +122,10 @@ impl BuiltIn for BrushedSteel {
 
     fn material(&self) -> Result<Material, MaterialError> {
         let (n, k) = index("chromium");
-        // Streaks: fine around the axis, long along it, as the noise is solid.
-        let streaks = Noise { frequency: [1.0, 1.0, 60.0], ..Noise::new(self.seed, 1.0) }.octaves(3);
+        // Fine across the grooves and long along them: of grooves around the axis z alone tells one from another, of those along it x and y.
+        let (along_v, along_u) = (core::f64::consts::TAU * self.turn).sin_cos();
+        let [around, up] = [along_v, along_u].map(|share| (1.0 + 59.0 * share.abs()).round());
+        let streaks = Noise { frequency: [around, around, up], ..Noise::new(self.seed, 1.0) }.octaves(3);
         let streaks = Scalar::Fractal(streaks).scaled(self.variety * self.across, self.across);
         let metal = BrushedMetal {
             n: n.into(),
