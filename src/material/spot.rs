@@ -228,9 +228,12 @@ impl<'a, R: Real> Share<'a, R> {
         core::array::from_fn(|c| f[c] * self.reflectivity[c] * cosine)
     }
 
-    /// A direction above the horizon.
+    /// A direction above the horizon; none for a view from under the part's own.
     fn sample(&self, wo: Vector<R>, u: [R; 3]) -> Option<Vector<R>> {
         let wo = self.to_own(wo);
+        if !wo.z.gt(R::ZERO).any() {
+            return None;
+        }
         let wi = match &self.body {
             SpotBody::Layers(layers) => layers.sample(wo, u)?,
             SpotBody::Brushed { metal, turn: (cosine, sine) } => {
@@ -245,6 +248,9 @@ impl<'a, R: Real> Share<'a, R> {
 
     fn pdf(&self, wi: Vector<R>, wo: Vector<R>) -> R {
         let (wi, wo) = (self.to_own(wi), self.to_own(wo));
+        if !wi.z.min(wo.z).gt(R::ZERO).any() {
+            return R::ZERO;
+        }
         match &self.body {
             SpotBody::Layers(layers) => layers.pdf(wi, wo),
             SpotBody::Brushed { metal, turn } => metal.pdf(turned(wi, *turn), turned(wo, *turn)),

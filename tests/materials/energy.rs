@@ -1,6 +1,6 @@
 //! Materials in a white furnace, and the directions that are drawn for them.
 
-use super::{direction, materials, point};
+use super::{direction, materials, point, variants};
 use brdf::material::{Material, built_in};
 use brdf::random::random;
 
@@ -66,7 +66,8 @@ fn nor_does_it_at_the_ends_of_its_numbers() {
             let material = named.material().expect("a material at the ends of its numbers");
             let (most, at) = largest_albedo(name, &material, 12, 2048);
             println!("{name:24} {most:.4} at point {at}: {changes:?}");
-            assert!(most > 0.0, "{name} {changes:?} is black");
+            // A ceramic of albedo 0 under a glaze of air is black, but no material is by one of its numbers.
+            assert!(most > 0.0 || changes.len() > 1, "{name} {changes:?} is black");
             if most > 1.0 {
                 too_much.push(format!("{name} {changes:?}: an albedo of at least {most} at point {at}"));
             }
@@ -82,7 +83,7 @@ const SAMPLES: u32 = 65_536;
 /// function over samples is its integral against the density. The function is the density's own lobe, f·cos of the green channel, capped.
 #[test]
 fn what_is_drawn_has_the_density_that_is_stated() {
-    for (name, material) in materials() {
+    for (name, material) in materials().into_iter().chain(variants()) {
         for index in 0..6 {
             let (spot_point, wo) = (point(index).cast::<f64>(), direction(index, 2).cast::<f64>());
             let spot = material.at(&spot_point);
@@ -128,7 +129,7 @@ fn what_is_drawn_has_the_density_that_is_stated() {
             let (drawn, even) = (drawn_sum / n, even_sum / n);
             let variance = (drawn_square / n - drawn * drawn + even_square / n - even * even) / n;
             let z = (drawn - even) / variance.max(1e-30).sqrt();
-            // 13 materials × 6 views at fixed seeds: |z| > 4.5 has a chance of 5e-4 in all.
+            // 21 materials × 6 views at fixed seeds: |z| > 4.5 has a chance of 9e-4 in all.
             assert!(z.abs() < 4.5, "{name}, view {index}: {drawn} of samples, {even} of the density, z = {z}");
             let (total, square) = (total / n, total_square / n);
             let error = ((square - total * total).max(0.0) / n).sqrt();

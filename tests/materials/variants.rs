@@ -73,6 +73,7 @@ layer = [{ interface = { diffuse = { albedo = { film = { absorption = [1, 2, 3],
         r#"
 cover = 0.8
 scatter = { grey = { of = "x", scale = 3 } }
+relief = { height = { noise = { frequency = 6, amplitude = 0.3 } }, step = 0.01 }
 model = "elek"
 widths = "variance"
 [[part.layer]]

@@ -157,7 +157,8 @@ impl Writer {
                  // Into the part's own surface: none, whatever the others have there.\n    \
                  if min(drawn.z, wo.z) <= 0.0 {{\n        return vec3f(0.0, 0.0, 0.0);\n    }}\n    \
                  return {back};\n}}\n\n\
-             fn part_{index}_pdf(world_i: vec3f, world_o: vec3f) -> f32 {{\n{own}    return {density};\n}}\n\n"
+             fn part_{index}_pdf(world_i: vec3f, world_o: vec3f) -> f32 {{\n{own}    \
+                 if min(wi.z, wo.z) <= 0.0 {{\n        return 0.0;\n    }}\n    return {density};\n}}\n\n"
         );
     }
 
