@@ -63,13 +63,15 @@ pub use view::{View, Views};
 /// The share of the mixture that follows the safe weights: 1/4. More of it lowers the bound, and costs variance.
 const SAFE_SHARE: f64 = 0.25;
 
-/// The largest f·cos/pdf, as a multiple of [`ceiling`]: 2.75/¼ = 11.
+/// The largest f·cos/pdf, as a multiple of [`ceiling`]: 4/¼ = 16.
 ///
-/// ¼ of the mixture follows the safe weights. Within its lobe a facet's weight is F·G/G₁ ≤ F, at most 1.32 times the larger
-/// end of the Fresnel terms (a dip between them; n ≤ 8, κ ≤ 12), and at most half of a lobe's samples go to the cosine instead:
-/// 2.64. An Oren–Nayar base exceeds its albedo by up to 2 (both directions at grazing). The module's tests scan both.
+/// ¼ of the mixture follows the safe weights. Within its lobe a facet's weight is F·G/G₁ ≤ F, at most twice the larger end of the Fresnel
+/// terms: between two ends in which the reflectance of p-polarised light has dipped, F ≤ F_s, which only rises with the angle, and
+/// F ≥ F_s/2 at its end (1.94 is met for dielectrics of a large index, 1.32 up to n = 8). At most half of a lobe's samples go to the cosine
+/// instead: 4. An Oren–Nayar base exceeds its albedo by up to 2 (both directions at grazing). The module's tests scan both, indices over
+/// all that [`N_RANGE`](crate::layered::N_RANGE) and [`K_RANGE`](crate::layered::K_RANGE) make relative to one another.
 /// For `weidlich_wilkie`, whose refracted directions may graze where those outside do not, it is measured, not derived.
-pub const WEIGHT_BOUND: f64 = 2.75 / SAFE_SHARE;
+pub const WEIGHT_BOUND: f64 = 4.0 / SAFE_SHARE;
 
 /// A direction drawn for a view, and its density.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -487,24 +489,30 @@ mod tests {
     use crate::diffuse;
     use core::f64::consts::FRAC_PI_2;
 
-    /// The safe weight's Fresnel term against every angle of incidence on a facet that the view allows.
+    /// The safe weight's Fresnel term against every angle of incidence on a facet that the view allows, for every relative index that
+    /// two layers in range can have: the larger end is at least half of all between.
     #[test]
-    fn fresnel_terms_are_largest_at_an_end() {
+    fn fresnel_terms_are_at_most_twice_the_larger_end() {
         let mut worst = 0.0f64;
-        for i in 0..30 {
-            for j in 0..20 {
-                let n = 0.02 * 400f64.powf(f64::from(i) / 29.0);
-                let k = if j == 0 { 0.0 } else { 1e-3 * 12e3f64.powf(f64::from(j) / 19.0) };
-                for step in 0..30 {
-                    let theta = FRAC_PI_2 * f64::from(step) / 30.0;
+        for i in 0..=48 {
+            for j in 0..=24 {
+                let n = 10f64.powf(f64::from(i - 24) / 4.0);
+                let k = if j == 0 { 0.0 } else { 10f64.powf(f64::from(j - 12) / 2.0) };
+                for step in 0..60 {
+                    // Ever closer to grazing, where dense media have their dip.
+                    let theta = FRAC_PI_2 * (1.0 - 0.75f64.powi(step));
                     let widest = 0.5 * (theta + FRAC_PI_2);
                     let at = |angle: f64| interface_fresnel(angle.cos(), n, k).reflectance;
-                    let most = (0..=100).map(|part| at(widest * f64::from(part) / 100.0)).fold(0.0, f64::max);
-                    worst = worst.max(most / at(theta).max(at(widest)));
+                    let ends = at(theta).max(at(widest));
+                    let most = (0..=50).map(|part| at(widest * f64::from(part) / 50.0)).fold(0.0, f64::max);
+                    // Matched media reflect nothing but rounding.
+                    if most > 1e-12 {
+                        worst = worst.max(most / ends);
+                    }
                 }
             }
         }
-        assert!(2.0 * worst < WEIGHT_BOUND * SAFE_SHARE && worst > 1.25, "{worst}");
+        assert!(2.0 * worst <= WEIGHT_BOUND * SAFE_SHARE && worst > 1.9, "{worst}");
     }
 
     #[test]

@@ -53,6 +53,9 @@ fn internal_reflectances_are_the_published_ones() {
         assert!((internal_reflectance(n, 0.0, 0.0) - want).abs() < 5e-4, "{n}");
     }
     assert!((internal_reflectance(1.5, 0.0, 0.0) - 0.59635).abs() < 5e-6);
+    // Where the indices match there is none; under a thinner medium it is what a denser one reflects of light from without: .0918 for 1.5.
+    assert_eq!(internal_reflectance(1.0, 0.0, 0.0), 0.0);
+    assert!((internal_reflectance(1.0 / 1.5, 0.0, 0.0) - 0.0918).abs() < 5e-5);
     // The last one is printed as .090 in the project's notes: it is .08947.
     for (tau, want) in [(0.1, 0.382), (0.2, 0.258), (0.5, 0.0895)] {
         assert!((internal_reflectance(1.5, 0.0, tau) - want).abs() < 5e-4, "{tau}");

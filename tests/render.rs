@@ -226,8 +226,13 @@ fn erfc(x: f64) -> f64 {
 
 #[test]
 fn light_is_found_the_same_in_every_way() {
-    for name in ["clear_coat_over_copper", "varnish_over_concrete", "iron"] {
-        let lit = scene(stack::by_name(name).unwrap(), sources::by_name("studio").unwrap(), 32);
+    let stacks = ["clear_coat_over_copper", "varnish_over_concrete", "iron"];
+    let stacks = stacks.map(|name| (name, Material::from(stack::by_name(name).unwrap())));
+    // A lobe of two widths, and parts with a relief.
+    let varied = ["brushed_steel", "worn_metal"];
+    let varied = varied.map(|name| (name, built_in::by_name(name).unwrap().material().unwrap()));
+    for (name, material) in stacks.into_iter().chain(varied) {
+        let lit = scene(material, sources::by_name("studio").unwrap(), 32);
         let by = |strategy, seed| {
             let options = Options { samples: 256, seed, strategy, ..Options::default() };
             offline::render::<f64>(&lit, options, &silent)
@@ -236,7 +241,7 @@ fn light_is_found_the_same_in_every_way() {
         agrees(&format!("{name}: two seeds"), &both, &by(Strategy::Both, 2));
         for (strategy, seed) in [(Strategy::Material, 3), (Strategy::Environment, 4)] {
             // Drawn in one way alone, some light is seldom met: most pixels are a little too dark and few far too bright, their own variances with
-            // them. Of sums over 8×8 pixels, 16384 paths, the central limit holds; 48 comparisons for each of 3 materials.
+            // them. Of sums over 8×8 pixels, 16384 paths, the central limit holds; 48 comparisons for each of 5 materials.
             let other = by(strategy, seed);
             for block in 0..16 {
                 let sum = |values: &[[f32; 3]]| -> f64 {

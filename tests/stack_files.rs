@@ -191,10 +191,23 @@ fn numbers_are_refused_as_a_stack_refuses_them() {
 }
 
 #[test]
+fn a_medium_under_the_last_layer_is_refused() {
+    let last = |keys: &str| format!("[[layer]]\ninterface = {{ diffuse = {{ albedo = 0.5 }} }}\n{keys}\n");
+    let message = "line 3, layer[0].medium: no light comes back through a medium under the last layer: leave it out, or put a layer under it";
+    let medium = "medium = { sigma = [0, 100, 0], thickness = 100 }";
+    assert_eq!(refused(&last(medium)), message);
+    // One that absorbs nothing is no mistake, and one under another layer is seen.
+    file(&last("medium = { sigma = 0, thickness = 100 }"));
+    let coat = format!("[[layer]]\ninterface = {{ dielectric = {{ n = 1.5 }}, alpha = 0.1 }}\n{medium}\n");
+    file(&(coat + &last("")));
+}
+
+#[test]
 fn numbers_that_only_f64_holds_are_refused_in_f32() {
     let stack = |sigma: &str| {
         let interface = "interface = { dielectric = { n = 1.5 }, alpha = 1e-4 }";
-        let text = format!("[[layer]]\n{interface}\nmedium = {{ sigma = [1, {sigma}], thickness = 1 }}");
+        let base = "[[layer]]\ninterface = { diffuse = { albedo = 0.5 } }";
+        let text = format!("[[layer]]\n{interface}\nmedium = {{ sigma = [1, {sigma}], thickness = 1 }}\n{base}");
         assert!(file(&text).stack::<f64, 2>().is_ok());
         file(&text).stack::<f32, 2>().map_err(|error| error.to_string())
     };
@@ -466,7 +479,8 @@ fn depth_and_length_do_no_harm() {
     }
     let sigma = "1,".repeat(10_000);
     let long = format!(
-        "[[layer]]\ninterface = {{ dielectric = {{ n = 1 }}, alpha = 1 }}\nmedium = {{ thickness = 1, sigma = [{sigma}] }}"
+        "[[layer]]\ninterface = {{ dielectric = {{ n = 1 }}, alpha = 1 }}\nmedium = {{ thickness = 1, sigma = [{sigma}] }}\n\
+         [[layer]]\ninterface = {{ diffuse = {{ albedo = 1 }} }}"
     );
     assert_eq!(file(&long).channels(), 10_000);
 }

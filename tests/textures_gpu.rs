@@ -21,7 +21,7 @@ fn twin(module: &str, function: &str) -> Twin {
 }
 
 fn textures() -> impl Iterator<Item = Twin> {
-    twins().into_iter().filter(|twin| ["bump", "image", "mask", "noise", "ramp"].contains(&twin.module))
+    twins().into_iter().filter(|twin| ["bump", "image", "mask", "noise", "ramp", "scratch"].contains(&twin.module))
 }
 
 fn map(gpu: &Gpu, twin: &Twin, rows: &[Vec<f32>]) -> Vec<f32> {
@@ -53,6 +53,12 @@ fn a_fault_changes_the_meaning() {
         ("noise", "fractal", "seed + k", "seed"),
         ("noise", "fractal_slope", "(a * f)", "a"),
         ("noise", "ridged", "abs(", "("),
+        ("scratch", "scratches", "0.6181640625", "0.6181640626"),
+        ("scratch", "scratches", "words.w >> 8u", "words.w >> 9u"),
+        ("scratch", "scratches", "drawn < density", "drawn > density"),
+        ("scratch", "scratches", "1.0 / (", "1.0000001 / ("),
+        ("scratch", "scratches", "vec3u(16u)", "vec3u(15u)"),
+        ("scratch", "scratches", "off / (width * width)", "off / width"),
         ("ramp", "two", "(1.0 - t) * a", "(1.0 - t) * b"),
         ("ramp", "ramp", "before = stop;", ""),
         ("ramp", "ramp", "count == 0u", "count == 9u"),

@@ -9,7 +9,7 @@ use brdf::material::description::read_file;
 use brdf::texture::image::Image;
 use libfuzzer_sys::fuzz_target;
 
-const FRAGMENTS: [&str; 64] = [
+const FRAGMENTS: [&str; 68] = [
     "[[part]]\n",
     "[[part.layer]]\n",
     "[part]\n",
@@ -52,6 +52,10 @@ const FRAGMENTS: [&str; 64] = [
     "repeat",
     "noise",
     "ridged",
+    "scratches",
+    "density",
+    "width",
+    "layers",
     "frequency",
     "octaves",
     "seed",

@@ -127,6 +127,19 @@ impl<R: Real, const C: usize> Coupled<R, C> {
     }
 }
 
+impl<R: Real, const C: usize> Stack<R, C> {
+    /// What the bounces between a diffuse base and its coats add to once its albedo, whatever the model; 0 without a base. Builds the tables.
+    pub(crate) fn bounced(&self) -> [f64; C] {
+        match self.layers() {
+            [_, .., Layer { interface: Interface::Diffuse { .. }, .. }] => {
+                let tables = self.tables().get(self.layers(), self.effective_layers());
+                core::array::from_fn(|c| tables.series(c))
+            }
+            _ => [0.0; C],
+        }
+    }
+}
+
 /// The coupled model of layers whose tables are given.
 ///
 /// $$f = f_1 + s(L)\,s(V)\,(f_{2\dots}) + \frac{m(L)\,m(V)}{\pi\,\bar m},\quad \bar m = 2\int_0^1 m\,\mu\,d\mu$$

@@ -14,8 +14,8 @@
 //!
 //! `n`, `k`, `albedo` and the medium's `sigma` are a number or a list of one number for each channel; all lists have
 //! the same length, numbers hold for every channel. Indices are those of the materials themselves, against vacuum.
-//! Whatever is not understood is refused, with the line, the key and what is allowed there. The ranges are those of
-//! [`Stack::new`], which is asked.
+//! Whatever is not understood is refused, with the line, the key and what is allowed there; so is a medium that absorbs under the last
+//! layer, which would do nothing. The ranges are those of [`Stack::new`], which is asked.
 
 pub(crate) mod tree;
 
@@ -124,6 +124,8 @@ struct Described {
     boundary: Boundary,
     sigma: Quantity,
     thickness: Quantity,
+    /// Where the medium was written, if it was.
+    medium: Option<Place>,
     place: Place,
 }
 
@@ -152,6 +154,15 @@ impl Described {
             ("medium.thickness", _) => Some(&self.thickness),
             _ => None,
         }
+    }
+
+    /// What is said of a medium that absorbs under this layer, if it is the last.
+    fn buried(&self) -> Option<DescriptionError> {
+        let absorbs = |quantity: &Quantity| quantity.values.iter().any(|value| *value != 0.0);
+        let problem =
+            "no light comes back through a medium under the last layer: leave it out, or put a layer under it";
+        let place = self.medium.as_ref().filter(|_| absorbs(&self.sigma) && absorbs(&self.thickness));
+        place.map(|place| place.error(problem))
     }
 
     /// The quantities that may be lists.
@@ -234,7 +245,10 @@ impl Description {
                 Err(root.place.key("layer", layer.and_then(|layer| layer.place.line)).error(error.problem.to_string()))
             }
             Some(error) => Err(description.refusal::<f64>(&error)),
-            None => Ok(description),
+            None => match description.layers.last().and_then(Described::buried) {
+                Some(buried) => Err(buried),
+                None => Ok(description),
+            },
         }
     }
 
@@ -337,7 +351,8 @@ fn described(entry: &Entry<'_>) -> Result<Described, DescriptionError> {
         }
         None => (Quantity::zero(&layer.place), Quantity::zero(&layer.place)),
     };
-    Ok(Described { boundary, sigma, thickness, place: layer.place })
+    let medium = layer.get("medium").map(|medium| medium.place);
+    Ok(Described { boundary, sigma, thickness, medium, place: layer.place })
 }
 
 const INTERFACE: &str = "a table such as { dielectric = { n = 1.5 }, alpha = 0.1 }";

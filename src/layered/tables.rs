@@ -278,7 +278,8 @@ pub fn internal_reflectance(n: f64, k: f64, tau: f64) -> f64 {
     // Split at the critical angle, where R has a root: u² as the distance to it.
     let critical = (1.0 - 1.0 / (n * n)).max(0.0).sqrt();
     let midpoints = |f: &dyn Fn(f64) -> f64| (0..2000).map(|i| f((f64::from(i) + 0.5) / 2000.0)).sum::<f64>() / 2000.0;
-    let below = midpoints(&|u| at(critical * u) * critical);
+    // There is nothing below it, and 0/0, where the indices match.
+    let below = if critical > 0.0 { midpoints(&|u| at(critical * u) * critical) } else { 0.0 };
     let above = midpoints(&|u| at(critical + (1.0 - critical) * u * u) * 2.0 * u * (1.0 - critical));
     2.0 * (below + above)
 }

@@ -1,7 +1,8 @@
 //! Brushed metal: a conductor whose microfacets are wider across the brush marks than along them (Mihaylov 2013, §3.1.4).
 //!
 //! Twin: `wgsl/brushed.wgsl`. The marks run along the local axis of the *smaller* width; a frame whose tangent follows them
-//! ([`Frame::from_normal_and_tangent`](crate::Frame::from_normal_and_tangent)) brushes a plane along, a lid around.
+//! ([`Frame::from_normal_and_tangent`](crate::Frame::from_normal_and_tangent)) brushes a plane along, a lid around. Highlights stretch
+//! across the marks.
 //!
 //! ```
 //! use brdf::Vector;

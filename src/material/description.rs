@@ -41,7 +41,8 @@ pub struct ImageRequest<'a> {
     pub encoding: image::Encoding,
 }
 
-/// Reads a material file. `load` is asked once for each image in each encoding.
+/// Reads a material file. `load` is asked once for each image in each encoding, and once more where it is looked up both filtered, as
+/// colours, numbers and normals are, and not, as the normals of flakes are.
 ///
 /// ```
 /// use brdf::material::description::read_file;
@@ -205,17 +206,29 @@ fn changed(entry: &Entry<'_>, parameters: Option<&Entry<'_>>) -> Result<Material
 /// An error of [`Material::new`] where it was written.
 fn misplaced(error: &MaterialError, list: &Place, parts: &[Entry<'_>]) -> DescriptionError {
     let Some(part) = parts.get(error.part) else { return list.error(error.problem.clone()) };
-    let Some(layer) = error.layer else { return part.place.error(error.problem.clone()) };
-    let line = match &part.node.value {
-        Value::Table(entries) => {
-            entries.iter().find(|(key, _)| key == "layer").and_then(|(_, layers)| match &layers.value {
-                Value::List(items) => items.get(layer).and_then(|item| item.line),
-                _ => None,
-            })
-        }
+    let (mut node, mut place) = (Some(part.node), part.place.clone());
+    if let Some(layer) = error.layer {
+        let layers = node.and_then(|node| under(node, "layer"));
+        let item = match layers.map(|layers| &layers.value) {
+            Some(Value::List(items)) => items.get(layer),
+            _ => None,
+        };
+        let line = item.and_then(|item| item.line);
+        (node, place) = (item, place.key("layer", line).item(layer, line));
+    }
+    if let Some(key) = error.key {
+        let written = node.and_then(|node| under(node, key));
+        place = place.key(key, written.and_then(|node| node.line).or(place.line));
+    }
+    place.error(error.problem.clone())
+}
+
+/// What a table has under a key.
+fn under<'a>(node: &'a Node, wanted: &str) -> Option<&'a Node> {
+    match &node.value {
+        Value::Table(entries) => entries.iter().find(|(key, _)| key == wanted).map(|(_, node)| node),
         _ => None,
-    };
-    part.place.key("layer", line).item(layer, line).error(error.problem.clone())
+    }
 }
 
 /// A number in a range.

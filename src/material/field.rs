@@ -6,9 +6,10 @@
 use super::kubelka_munk;
 use super::patina::patina_extent;
 use super::point::Point;
+use crate::frame::Vector;
 use crate::real::Real;
 use crate::texture::image::Image;
-use crate::texture::{mask, noise, ramp::Ramp};
+use crate::texture::{mask, noise, ramp::Ramp, scratch};
 use alloc::boxed::Box;
 
 /// A number that varies over a surface.
@@ -23,6 +24,8 @@ pub enum Scalar {
     Fractal(Noise),
     /// Fractal noise whose octaves are 1 − |noise|: thin bright lines where the noise crosses 0. From 0 to the sum of amplitudes.
     Ridged(Noise),
+    /// Straight grooves at the point's position: 0 between them, 1 in the middle of one.
+    Scratches(Scratches),
     /// A channel of an image over `uv`.
     Image(Lookup, usize),
     /// `of`·factor + offset.
@@ -38,7 +41,7 @@ pub enum Scalar {
     Sum(Box<Scalar>, Box<Scalar>),
     /// The product of two.
     Product(Box<Scalar>, Box<Scalar>),
-    /// From the first to the second as the third goes from 0 to 1.
+    /// From the first to the second as the third goes from 0 to 1; the third is clamped there.
     Mix(Box<Scalar>, Box<Scalar>, Box<Scalar>),
     /// A grey mask: 0 at `black`, 1 at `white`, linear between and constant beyond ([`mask::grey`]).
     Levels {
@@ -49,13 +52,13 @@ pub enum Scalar {
         /// Where the result is 1.
         white: f64,
     },
-    /// A mask: 0 at and below `at`, 1 above it, over a width of `softness` ([`mask::soft_threshold`]).
+    /// A mask: 0 up to `at` − `softness`, 1 from `at` + `softness` on, smooth between ([`mask::soft_threshold`]).
     Threshold {
         /// What is looked at.
         of: Box<Scalar>,
         /// Where the result is ½.
         at: f64,
-        /// How wide the edge is; 0 for a sharp one.
+        /// Half the width of the edge; 0 for a sharp one, which is 0 at `at` itself.
         softness: f64,
     },
     /// How far patina has come ([`patina_extent`]): early where `of` is small.
@@ -64,7 +67,7 @@ pub enum Scalar {
         of: Box<Scalar>,
         /// How far it has come over the whole surface, from −transition to 1 + transition.
         extent: f64,
-        /// The softness of its edge.
+        /// Half the width of its edge.
         transition: f64,
     },
 }
@@ -143,11 +146,42 @@ impl Noise {
     pub const fn octaves(self, octaves: u32) -> Self {
         Noise { octaves, ..self }
     }
+}
 
-    fn place<R: Real>(&self, point: &Point<R>) -> crate::frame::Vector<R> {
-        let [x, y, z] = self.frequency.map(R::from_f64);
-        crate::frame::Vector::new(point.position.x * x, point.position.y * y, point.position.z * z)
+/// Scratches in the space of the object ([`scratch::scratches`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scratches {
+    /// Which scratches: other seeds, other places.
+    pub seed: u32,
+    /// The cells in a unit of length along each axis: a scratch is up to ¾ of a cell long. Unequal ones give scratches of one direction.
+    pub frequency: [f64; 3],
+    /// The share of cells with a scratch, in [0, 1].
+    pub density: f64,
+    /// Half the width of a scratch in cells, at most 3/8.
+    pub width: f64,
+    /// How many lattices of scratches are laid over one another, at most [`Scratches::MOST_LAYERS`].
+    pub layers: u32,
+}
+
+impl Scratches {
+    /// More would leave nothing to scratch.
+    pub const MOST_LAYERS: u32 = 64;
+
+    /// Scratches of one layer, with `frequency` cells in a unit of length, each with one.
+    pub const fn new(seed: u32, frequency: f64) -> Self {
+        Scratches { seed, frequency: [frequency; 3], density: 1.0, width: 0.01, layers: 1 }
     }
+
+    /// The same with `layers` layers.
+    pub const fn layers(self, layers: u32) -> Self {
+        Scratches { layers, ..self }
+    }
+}
+
+/// Where a point lies among cells of which there are `frequency` in a unit of length.
+fn in_cells<R: Real>(point: &Point<R>, frequency: [f64; 3]) -> Vector<R> {
+    let [x, y, z] = frequency.map(R::from_f64);
+    Vector::new(point.position.x * x, point.position.y * y, point.position.z * z)
 }
 
 /// Which image of a material is looked up, and how often it repeats over the surface.
@@ -188,7 +222,7 @@ impl Scalar {
         Scalar::Sum(Box::new(self), Box::new(other.into()))
     }
 
-    /// A mask that is 1 where this is above `at`.
+    /// A mask: 0 up to `at` − `softness`, 1 from `at` + `softness` on.
     pub fn above(self, at: f64, softness: f64) -> Self {
         Scalar::Threshold { of: Box::new(self), at, softness }
     }
@@ -198,7 +232,7 @@ impl Scalar {
         Scalar::Levels { of: Box::new(self), black, white }
     }
 
-    /// From `first` to `second` as `share` goes from 0 to 1.
+    /// From `first` to `second` as `share` goes from 0 to 1, and no further.
     pub fn mix(first: impl Into<Scalar>, second: impl Into<Scalar>, share: Scalar) -> Self {
         Scalar::Mix(Box::new(first.into()), Box::new(second.into()), Box::new(share))
     }
@@ -211,11 +245,30 @@ impl Scalar {
             Scalar::Of(property) => property.at(point),
             Scalar::Fractal(noise) => {
                 let [amplitude, gain, lacunarity] = [noise.amplitude, noise.gain, noise.lacunarity].map(number);
-                noise::fractal(noise.place(point), noise.seed, amplitude, R::ONE, noise.octaves, gain, lacunarity)
+                noise::fractal(
+                    in_cells(point, noise.frequency),
+                    noise.seed,
+                    amplitude,
+                    R::ONE,
+                    noise.octaves,
+                    gain,
+                    lacunarity,
+                )
             }
             Scalar::Ridged(noise) => {
                 let [amplitude, gain, lacunarity] = [noise.amplitude, noise.gain, noise.lacunarity].map(number);
-                noise::ridged(noise.place(point), noise.seed, amplitude, R::ONE, noise.octaves, gain, lacunarity)
+                noise::ridged(
+                    in_cells(point, noise.frequency),
+                    noise.seed,
+                    amplitude,
+                    R::ONE,
+                    noise.octaves,
+                    gain,
+                    lacunarity,
+                )
+            }
+            Scalar::Scratches(Scratches { seed, frequency, density, width, layers }) => {
+                scratch::scratches(in_cells(point, *frequency), *seed, number(*density), number(*width), *layers)
             }
             Scalar::Image(lookup, channel) => lookup.texel(point, images).get(*channel).copied().unwrap_or(R::ZERO),
             Scalar::Scaled { of, factor, offset } => of.at(point, images) * number(*factor) + number(*offset),
@@ -244,7 +297,12 @@ impl Scalar {
     pub(crate) fn each(&self, visit: &mut dyn FnMut(&Scalar)) {
         visit(self);
         match self {
-            Scalar::Constant(_) | Scalar::Of(_) | Scalar::Fractal(_) | Scalar::Ridged(_) | Scalar::Image(..) => {}
+            Scalar::Constant(_)
+            | Scalar::Of(_)
+            | Scalar::Fractal(_)
+            | Scalar::Ridged(_)
+            | Scalar::Scratches(_)
+            | Scalar::Image(..) => {}
             Scalar::Scaled { of, .. }
             | Scalar::Levels { of, .. }
             | Scalar::Threshold { of, .. }
@@ -255,9 +313,10 @@ impl Scalar {
     }
 }
 
-/// From `a` to `b` as `share` goes from 0 to 1; exact at both.
+/// From `a` to `b` as `share` goes from 0 to 1; exact at both, and the same beyond them.
 #[inline]
 fn between<R: Real>(a: R, b: R, share: R) -> R {
+    let share = share.saturate();
     a * (R::ONE - share) + b * share
 }
 
@@ -271,13 +330,13 @@ pub enum Colour {
     Grey(Scalar),
     /// The colour of a ramp where the number says.
     Ramp(Ramp<3>, Scalar),
-    /// The colour of a ramp's band: constant within each, over a width of `softness` at the edges.
+    /// The colour of a ramp's band: constant within each, blended within ± `softness` of the edges.
     Bands(Ramp<3>, f64, Scalar),
     /// The colour of an image over `uv`.
     Image(Lookup),
     /// A colour times a number.
     Scaled(Box<Colour>, Scalar),
-    /// From the first to the second as the number goes from 0 to 1.
+    /// From the first to the second as the number goes from 0 to 1; the number is clamped there.
     Mix(Box<Colour>, Box<Colour>, Scalar),
     /// What a film that scatters and absorbs reflects over a ground ([`kubelka_munk::film`]).
     Film {
@@ -285,9 +344,9 @@ pub enum Colour {
         absorption: [f64; 3],
         /// The scattering in 1/length.
         scattering: [f64; 3],
-        /// How thick the film is.
+        /// How thick the film is; nothing where it is below 0.
         thickness: Scalar,
-        /// The reflectance of what lies under it.
+        /// The reflectance of what lies under it, clamped to [0, 1].
         ground: Box<Colour>,
     },
 }
@@ -305,7 +364,7 @@ impl From<f64> for Colour {
 }
 
 impl Colour {
-    /// From `first` to `second` as `share` goes from 0 to 1.
+    /// From `first` to `second` as `share` goes from 0 to 1, and no further.
     pub fn mix(first: impl Into<Colour>, second: impl Into<Colour>, share: Scalar) -> Self {
         Colour::Mix(Box::new(first.into()), Box::new(second.into()), share)
     }
@@ -332,8 +391,9 @@ impl Colour {
             }
             Colour::Film { absorption, scattering, thickness, ground } => {
                 let (thickness, ground): (R, [R; 3]) = (thickness.at(point, images), ground.at(point, images));
+                let thickness = thickness.max(R::ZERO);
                 core::array::from_fn(|c| {
-                    kubelka_munk::film(number(absorption[c]), number(scattering[c]), thickness, ground[c])
+                    kubelka_munk::film(number(absorption[c]), number(scattering[c]), thickness, ground[c].saturate())
                 })
             }
         }

@@ -4,6 +4,7 @@ use super::field::{Colour, Lookup, Scalar};
 use crate::layered::{Model, Stack, Widths};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
+use core::ops::RangeInclusive;
 
 /// What a part of a material is made of.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,10 +66,12 @@ pub struct Layers {
     /// The layers from the top.
     pub coats: Vec<Coat>,
     /// Whether light that the coat sends back to the diffuse base counts: the base's albedo ρ becomes ρ/(1 − ρ·r_i), the correction of
-    /// Saunderson. Exact for a Lambertian base under one smooth, clear coat.
+    /// Saunderson. Exact for a Lambertian base under one smooth, clear coat; taken under the model `conserving` alone and over a base of σ = 0, as
+    /// anywhere else it would create light.
     pub returns: bool,
-    /// The documents' diffuse term of the upper layer, (1 − σ)(1 − F₁)/π for this σ ([`super::patina::diffuse_as_printed`]; Elek 2010, §4.2): it
-    /// lowers no transmittance, so that a stack with it reflects up to 3.8 times what arrives (erratum 12). Kept because people compare with it.
+    /// The documents' diffuse term of the upper layer, (1 − σ)(1 − F₁)/π for this σ ([`super::patina::diffuse_as_printed`]; Elek 2010, §4.2),
+    /// clamped to [0, 1] at each point: above it the term is negative. It lowers no transmittance, so that a stack with it reflects up to 3.8
+    /// times what arrives (erratum 12). Kept because people compare with it. The upper layer is a dielectric or a conductor.
     pub scatter: Option<Colour>,
 }
 
@@ -77,7 +80,7 @@ pub struct Layers {
 pub struct Coat {
     /// The boundary that light meets.
     pub boundary: Boundary,
-    /// The absorption of the medium under it, in 1/length.
+    /// The absorption of the medium under it, in 1/length. Under the last layer there is no medium that light comes back from: it is clear.
     pub sigma: Colour,
     /// The thickness of the medium under it: a number, or a thickness map.
     pub thickness: Scalar,
@@ -159,14 +162,23 @@ pub enum Flakes {
     },
 }
 
+/// Over what lengths the slopes of a height may be taken: what is shorter moves no place of size 1 in f32.
+pub const STEP_RANGE: RangeInclusive<f64> = 1e-5..=1e6;
+
+/// What the slopes of a normal map may be multiplied by.
+pub const STRENGTH_RANGE: RangeInclusive<f64> = -1e6..=1e6;
+
+/// The steepest slope of a relief: a normal 1e-6 above the horizon. f32 squares it with room to spare.
+pub const STEEPEST: f64 = 1e6;
+
 /// Normals of a part's own.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Relief {
-    /// The slopes of a height in object space.
+    /// The slopes of a height in object space, each clamped to ±[`STEEPEST`].
     Height {
-        /// The height.
+        /// The height. Some of it depends on the place: a step moves the position and uv, and neither the occlusion nor the distance.
         height: Scalar,
-        /// Over what length slopes are taken: detail finer than this is left out.
+        /// Over what length slopes are taken, in [`STEP_RANGE`]: detail finer than this is left out.
         step: f64,
     },
     /// A map of normals (Mihaylov, eq. 4.13–4.14).
@@ -175,7 +187,7 @@ pub enum Relief {
         normals: Lookup,
         /// How normals are stored in it.
         encoding: Encoding,
-        /// What slopes are multiplied by.
+        /// What slopes are multiplied by, in [`STRENGTH_RANGE`].
         strength: f64,
     },
 }
@@ -200,6 +212,7 @@ pub struct BrushedMetal {
     pub along: Scalar,
     /// The width across the grooves.
     pub across: Scalar,
-    /// The direction of the grooves, in turns from the tangent: 0 along u, ¼ along v.
+    /// The direction of the grooves, in turns from the tangent: 0 along u, ¼ along v. Any number: whole turns change nothing.
+    /// Highlights stretch across the grooves.
     pub turn: Scalar,
 }

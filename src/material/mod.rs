@@ -35,12 +35,12 @@
 //!
 //! | key | value |
 //! |---|---|
-//! | a number (*S*) | `0.5`; `"occlusion"` and the others of [`field::Property::ALL`]; `{ noise = { seed, amplitude, frequency, octaves, gain, lacunarity } }` (frequency a number or three); `{ ridged = … }`; `{ image = "file", channel = "r", repeat = 2 }` (repeat a number or two); `{ of = S, scale, offset }`; `{ sum = [S, S, …] }`; `{ product = [S, S, …] }`; `{ mix = [S, S], by = S }`; `{ levels = [black, white], of = S }`; `{ above = at, softness, of = S }`; `{ extent, transition, of = S }` |
-//! | a colour (*C*) | a number; `[r, g, b]`; `{ grey = S }`; `{ ramp = [[r, g, b], …], by = S }`, with `at = [0.0, …, 1.0]` where stops are not even; `{ bands = [[r, g, b], …], softness, by = S }`; `{ image = "file", srgb, repeat }` (srgb = true where absent); `{ colour = C, scale = S }`; `{ mix = [C, C], by = S }`; `{ film = { absorption, scattering, thickness = S, ground = C } }` |
-//! | part | `cover = S`; `reflectivity = C`; `relief = { height = S, step }` or `{ normals = { image = … }, encoding = "rgb"` or `"alpha_green", strength }`; and `layer`, `brushed` or `stack` |
-//! | part with layers | `layer = [ … ]`, from the top; `model`, `widths`, `returns = true`, `scatter = C` |
-//! | layer | `interface = { dielectric = { n = C }, alpha = S }`, `{ conductor = { metal = "copper" }, alpha = S }` (or `n = C, k = C`), `{ diffuse = { albedo = C, sigma = S } }`; `medium = { sigma = C, thickness = S }`; `flakes = { spacing, resolution, seed }` or `{ normals = { image = "file", repeat = 1000 } }` |
-//! | brushed part | `brushed = { metal = "chromium", along = S, across = S, turn = S }` (or `n = C, k = C`) |
+//! | a number (*S*) | `0.5`; `"occlusion"` and the others of [`field::Property::ALL`]; `{ noise = { seed, amplitude, frequency, octaves, gain, lacunarity } }` (frequency a number or three); `{ ridged = … }`; `{ scratches = { seed, frequency, density, width, layers } }`; `{ image = "file", channel = "r", repeat = 2 }` (repeat a number or two); `{ of = S, scale, offset }`; `{ sum = [S, S, …] }`; `{ product = [S, S, …] }`; `{ mix = [S, S], by = S }`, `by` clamped to [0, 1]; `{ levels = [black, white], of = S }`; `{ above = at, softness, of = S }`: 0 up to at − softness, 1 from at + softness on; `{ extent, transition, of = S }` |
+//! | a colour (*C*) | a number; `[r, g, b]`; `{ grey = S }`; `{ ramp = [[r, g, b], …], by = S }`, with `at = [0.0, …, 1.0]` where stops are not even; `{ bands = [[r, g, b], …], softness, by = S }`, blended within ± softness of the edges, `at` as in a ramp; `{ image = "file", srgb, repeat }` (srgb = true where absent); `{ colour = C, scale = S }`; `{ mix = [C, C], by = S }`; `{ film = { absorption, scattering, thickness = S, ground = C } }` |
+//! | part | `cover = S`; `reflectivity = C`; `relief = { height = S, step }` (step from 1e-5, the height of some place) or `{ normals = { image = … }, encoding = "rgb"` or `"alpha_green", strength }`; and `layer`, `brushed` or `stack` |
+//! | part with layers | `layer = [ … ]`, from the top; `model`, `widths`; `returns = true`, over a Lambertian base under one clear dielectric and `conserving`; `scatter = C` in [0, 1], over a dielectric or conductor |
+//! | layer | `interface = { dielectric = { n = C }, alpha = S }`, `{ conductor = { metal = "copper" }, alpha = S }` (or `n = C, k = C`), `{ diffuse = { albedo = C, sigma = S } }`; `medium = { sigma = C, thickness = S }`, not under the last; `flakes = { spacing, resolution, seed }` or `{ normals = { image = "file", repeat = 1000 } }` |
+//! | brushed part | `brushed = { metal = "chromium", along = S, across = S, turn = S }` (or `n = C, k = C`); turn 0: grooves along u, ¼: along v; whole turns change nothing |
 //! | stack part | `stack = { … }`: a stack file's tree, under any model |
 //!
 //! Images are read by the caller, from beside the file. Whatever is not understood is refused, with the line, the key and what is allowed.
@@ -59,12 +59,16 @@ pub mod glint;
 pub mod kubelka_munk;
 pub mod metal;
 #[cfg(feature = "std")]
+mod mirror;
+#[cfg(feature = "std")]
 mod parts;
 pub mod patina;
 mod point;
 #[cfg(feature = "std")]
 pub mod spot;
 pub mod stack;
+#[cfg(feature = "std")]
+mod validity;
 
 #[cfg(feature = "std")]
 pub use field::{Colour, Scalar};

@@ -1,10 +1,11 @@
 //! A material: its parts, what each covers, and the images they read.
 
-use super::field::{Colour, Lookup, Noise, Scalar};
-use super::finish::{Body, Boundary, Coat, Finish, Flakes, Relief};
+use super::field::{Colour, Scalar};
+use super::finish::{Body, Boundary, Coat, Finish, Relief};
 use super::point::Point;
-use super::spot::{MOST_LAYERS, MOST_PARTS, Spot};
-use crate::layered::{Model, Stack, internal_reflectance};
+use super::spot::{MOST_PARTS, Spot};
+use super::validity::{texels_problem, validate};
+use crate::layered::Stack;
 use crate::real::Real;
 use crate::texture::image::Image;
 use alloc::boxed::Box;
@@ -39,16 +40,22 @@ pub struct MaterialError {
     pub part: usize,
     /// Which layer of it, where one is at fault.
     pub layer: Option<usize>,
+    /// Which key of the part or of the layer, as material files name it, where one is at fault.
+    pub key: Option<&'static str>,
     /// What is wrong, and what is allowed.
     pub problem: String,
 }
 
 impl fmt::Display for MaterialError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.layer {
-            Some(layer) => write!(f, "part[{}].layer[{layer}]: {}", self.part, self.problem),
-            None => write!(f, "part[{}]: {}", self.part, self.problem),
+        write!(f, "part[{}]", self.part)?;
+        if let Some(layer) = self.layer {
+            write!(f, ".layer[{layer}]")?;
         }
+        if let Some(key) = self.key {
+            write!(f, ".{key}")?;
+        }
+        write!(f, ": {}", self.problem)
     }
 }
 
@@ -59,13 +66,21 @@ impl Material {
     ///
     /// # Errors
     ///
-    /// Names the part, the layer and what is wrong: no part or more than four; no layer or more than four; a diffuse base that is
-    /// not the last layer; a model without closed form over layers that vary; numbers that are not finite; octaves, images or channels that
-    /// do not exist; `returns` without a diffuse base under one clear coat of a constant index.
+    /// Names the part, the layer, the key and what is wrong: no part or more than four; no layer or more than four; a diffuse base that is
+    /// not the last layer; a model without closed form over layers that vary; numbers that are not finite; octaves, layers of scratches,
+    /// images or channels that do not exist; more than [`MOST_TEXELS`](crate::texture::image::MOST_TEXELS) texels in all.
+    ///
+    /// What would create light or have no effect: `returns` without a Lambertian base under one clear coat of a constant index ≥ 1, or under
+    /// another model than `conserving`; `scatter` over a diffuse top; a medium under the last layer; a height that is nowhere steep because
+    /// it is made of occlusion and distance alone; a step or a strength beyond what slopes are clamped to ([`Relief`]).
     pub fn new(parts: Vec<Part>, images: Vec<Image>) -> Result<Self, MaterialError> {
         let count = parts.len();
         if !(1..=MOST_PARTS).contains(&count) {
-            return Err(at(count, None, format!("there are {count} parts, a material has 1 to {MOST_PARTS}")));
+            let problem = format!("there are {count} parts, a material has 1 to {MOST_PARTS}");
+            return Err(MaterialError { part: count, layer: None, key: None, problem });
+        }
+        if let Some(problem) = texels_problem(images.iter().map(|image| (image.width(), image.height()))) {
+            return Err(MaterialError { part: 0, layer: None, key: None, problem });
         }
         let mut returned = Vec::new();
         for (index, part) in parts.iter().enumerate() {
@@ -169,158 +184,5 @@ impl Coat {
         }
         self.sigma.each(colours, scalars);
         self.thickness.each(scalars);
-    }
-}
-
-fn at(part: usize, layer: Option<usize>, problem: String) -> MaterialError {
-    MaterialError { part, layer, problem }
-}
-
-/// The first problem of a part; else r_i of its coat.
-fn validate(index: usize, part: &Part, images: &[Image]) -> Result<f64, MaterialError> {
-    let mut problem = None;
-    part.cover.each(&mut |scalar| problem = problem.take().or_else(|| scalar_problem(scalar, images)));
-    let mut of_colours = None;
-    part.finish
-        .each(&mut |colour| of_colours = of_colours.take().or_else(|| colour_problem(colour, images)), &mut |scalar| {
-            problem = problem.take().or_else(|| scalar_problem(scalar, images))
-        });
-    let of_relief = part.finish.relief.as_ref().and_then(|relief| relief_problem(relief, images));
-    if let Some(problem) = problem.or(of_colours).or(of_relief) {
-        return Err(at(index, None, problem));
-    }
-    let Body::Layers(layers) = &part.finish.body else { return Ok(0.0) };
-    let (model, coats) = (layers.model, &layers.coats);
-    if !Model::CLOSED_FORM.contains(&model) {
-        let names = Model::CLOSED_FORM.map(Model::name).join(", ");
-        let problem = format!("layers that vary take the models {names}, not {}; a stack takes any", model.name());
-        return Err(at(index, None, problem));
-    }
-    if !(1..=MOST_LAYERS).contains(&coats.len()) {
-        return Err(at(index, None, format!("there are {} layers, a part has 1 to {MOST_LAYERS}", coats.len())));
-    }
-    for (position, coat) in coats.iter().enumerate() {
-        let base = matches!(coat.boundary, Boundary::Diffuse { .. });
-        if base && position + 1 < coats.len() {
-            return Err(at(
-                index,
-                Some(position),
-                "a diffuse base lets nothing through: make it the last layer".into(),
-            ));
-        }
-        let flawed = coat.flakes.as_ref().and_then(|flakes| flakes_problem(flakes, base, images));
-        if let Some(problem) = flawed {
-            return Err(at(index, Some(position), problem));
-        }
-    }
-    if !layers.returns {
-        return Ok(0.0);
-    }
-    returned(coats).ok_or_else(|| {
-        at(index, None, "`returns` needs a diffuse base under one clear dielectric of a constant index".into())
-    })
-}
-
-/// r_i of the coat over a diffuse base.
-fn returned(coats: &[Coat]) -> Option<f64> {
-    let [coat, base] = coats else { return None };
-    let clear = coat.sigma.constant() == Some([0.0; 3]) || coat.thickness.constant() == Some(0.0);
-    match (&coat.boundary, &base.boundary) {
-        (Boundary::Microfacet { n, k, .. }, Boundary::Diffuse { .. }) if clear => match (n.constant(), k.constant()) {
-            (Some([n, g, b]), Some([0.0, 0.0, 0.0])) if n == g && n == b && n >= 1.0 => {
-                Some(internal_reflectance(n, 0.0, 0.0))
-            }
-            _ => None,
-        },
-        _ => None,
-    }
-}
-
-fn scalar_problem(scalar: &Scalar, images: &[Image]) -> Option<String> {
-    let finite = |numbers: &[f64]| {
-        let bad = numbers.iter().find(|number| !number.is_finite());
-        bad.map(|number| format!("a field has the number {number}, numbers are finite"))
-    };
-    match scalar {
-        Scalar::Constant(x) => finite(&[*x]),
-        Scalar::Fractal(noise) | Scalar::Ridged(noise) => {
-            let Noise { amplitude, frequency: [x, y, z], gain, lacunarity, octaves, .. } = *noise;
-            let most = Noise::MOST_OCTAVES;
-            let many = !(1..=most).contains(&octaves);
-            finite(&[amplitude, x, y, z, gain, lacunarity])
-                .or_else(|| many.then(|| format!("a noise has {octaves} octaves, it may have 1 to {most}")))
-        }
-        Scalar::Image(lookup, channel) => {
-            let many = *channel > 3;
-            lookup_problem(lookup, images)
-                .or_else(|| many.then(|| format!("channel {channel} does not exist, channels are 0 to 3")))
-        }
-        Scalar::Scaled { factor, offset, .. } => finite(&[*factor, *offset]),
-        Scalar::Levels { black, white, .. } => finite(&[*black, *white]),
-        Scalar::Threshold { at, softness, .. } => finite(&[*at, *softness]).or_else(|| negative("softness", *softness)),
-        Scalar::Extent { extent, transition, .. } => {
-            finite(&[*extent, *transition]).or_else(|| negative("transition", *transition))
-        }
-        Scalar::Of(_) | Scalar::Sum(..) | Scalar::Product(..) | Scalar::Mix(..) => None,
-    }
-}
-
-fn negative(name: &str, number: f64) -> Option<String> {
-    (number < 0.0).then(|| format!("{name} is {number}, it is at least 0"))
-}
-
-fn colour_problem(colour: &Colour, images: &[Image]) -> Option<String> {
-    let finite = |numbers: &[f64]| {
-        let bad = numbers.iter().find(|number| !number.is_finite());
-        bad.map(|number| format!("a colour has the number {number}, numbers are finite"))
-    };
-    match colour {
-        Colour::Constant(colour) => finite(colour),
-        Colour::Bands(_, softness, _) => finite(&[*softness]).or_else(|| negative("softness", *softness)),
-        Colour::Image(lookup) => lookup_problem(lookup, images),
-        Colour::Film { absorption, scattering, .. } => {
-            let all = [*absorption, *scattering].concat();
-            finite(&all).or_else(|| {
-                all.iter().find(|x| **x < 0.0).map(|x| format!("a film absorbs or scatters {x}, at least 0"))
-            })
-        }
-        Colour::Grey(_) | Colour::Ramp(..) | Colour::Scaled(..) | Colour::Mix(..) => None,
-    }
-}
-
-fn lookup_problem(lookup: &Lookup, images: &[Image]) -> Option<String> {
-    let Lookup { image, repeat } = lookup;
-    if *image >= images.len() {
-        return Some(format!("image {image} does not exist, the material has {}", images.len()));
-    }
-    let bad = repeat.iter().find(|number| !number.is_finite());
-    bad.map(|number| format!("an image repeats {number} times, numbers are finite"))
-}
-
-fn relief_problem(relief: &Relief, images: &[Image]) -> Option<String> {
-    match relief {
-        Relief::Height { step, .. } => {
-            let usable = step.is_finite() && *step > 0.0;
-            (!usable).then(|| format!("the step of a height is {step}, it is positive"))
-        }
-        Relief::Map { normals, strength, .. } => lookup_problem(normals, images).or_else(|| {
-            (!strength.is_finite()).then(|| format!("the strength of a normal map is {strength}, it is finite"))
-        }),
-    }
-}
-
-fn flakes_problem(flakes: &Flakes, base: bool, images: &[Image]) -> Option<String> {
-    if base {
-        return Some("a diffuse base has no flakes".into());
-    }
-    match flakes {
-        Flakes::Glints { spacing, resolution, .. } => {
-            let usable = spacing.is_finite() && *spacing > 0.0;
-            let most = super::glint::FINEST;
-            (!usable).then(|| format!("the spacing of flakes is {spacing}, it is positive")).or_else(|| {
-                (*resolution > most).then(|| format!("the resolution of flakes is {resolution}, at most {most}"))
-            })
-        }
-        Flakes::AsPrinted { normals } => lookup_problem(normals, images),
     }
 }

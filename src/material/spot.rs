@@ -2,19 +2,19 @@
 
 use super::brushed::{Brushed, Shape};
 use super::field::Colour;
-use super::finish::{Body, Boundary, BrushedMetal, Coat, Encoding, Flakes, Layers, Relief};
+use super::finish::{Body, Boundary, BrushedMetal, Coat, Encoding, Flakes, Layers, Relief, STEEPEST};
 use super::flake::flake_normal;
 use super::glint;
+pub use super::mirror::Mirror;
+use super::mirror::{mirror_of, mirrors, scattered};
 use super::parts::{Material, Part};
 use super::patina::diffuse_as_printed;
 use super::point::Point;
-use crate::absorption::transmittance;
 use crate::frame::{Frame, Vector, half_vector};
 use crate::layered::model::{Plain, Surface, interface_fresnel, over};
 use crate::layered::{ALPHA_RANGE, Interface, K_RANGE, Layer, Medium, Model, N_RANGE, Stack};
 use crate::microfacet::{Facets, cos_half, facets};
 use crate::real::{Mask, Real};
-use crate::refraction::refract;
 use crate::sampling::{self, Sample};
 use crate::texture::bump;
 use crate::texture::image::Image;
@@ -108,19 +108,6 @@ impl<R: Real> Resolved<R> {
     }
 }
 
-/// Light from one direction of a blurred environment, as [`Spot::mirrored`] lists it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mirror<R> {
-    /// Where it comes from: the mirror direction of a lobe, the normal of a diffuse base.
-    pub direction: Vector<R>,
-    /// How wide the lobe is, as the α of a single interface; of no meaning for a diffuse base.
-    pub alpha: R,
-    /// Whether the environment is blurred by a cosine (its irradiance over π) and not by a lobe.
-    pub diffuse: bool,
-    /// What the blurred radiance is multiplied by.
-    pub weight: [R; 3],
-}
-
 impl<'a, R: Real> Spot<'a, R> {
     pub(crate) fn new(material: &'a Material, point: &Point<R>) -> Self {
         let mut left = R::ONE;
@@ -190,8 +177,16 @@ impl<'a, R: Real> Spot<'a, R> {
     ///
     /// Each interface adds F·T²·a² of the environment in the mirror direction, blurred by its α times the index above it (what
     /// refraction widens a lobe by at the normal). A diffuse base adds ρ·T(V)·T̄·a/n² of the irradiance; T̄ is T at 60°, which is within
-    /// 1 % of the mean transmittance for n from 1.2 to 2. Under [`Model::Elek`] only the upper interface reflects the environment, as
-    /// the documents have it (Elek 2010, Algorithm 1, lines 28–29).
+    /// 1 % of the mean transmittance for n from 1.2 to 2. Under [`Model::Coupled`] and [`Model::Walk`] ρ is what the base and its coats make of it
+    /// between them, ρ/(1 − ρ·r_i). Under [`Model::Elek`] only the upper interface reflects the environment, as
+    /// the documents have it (Elek 2010, Algorithm 1, lines 28–29). The documents' diffuse term ([`Layers::scatter`]) adds (1 − σ)·(1 − F) of the
+    /// irradiance, F at √((1+V_z)/2), the half vector of the view and the normal: within 3 % of the mean over all light for n from 1.5 to 3.
+    ///
+    /// What this local model cannot do, and [`Spot::reflected`] does: a lobe is round, its width is that of a mean at the normal, and its weight F at
+    /// the mirror direction. So the lobe of a brushed metal is blurred by √(α_x·α_y) all around and does not stretch across the grooves; rough lobes
+    /// keep their place and width at grazing; flakes do not sparkle; an Oren–Nayar base counts as Lambert's; `weidlich_wilkie` keeps the
+    /// books of [`Model::Conserving`]; and of the light that bounces between interfaces only that over a diffuse base is there: rough metals
+    /// under coats are as dark as under `conserving`.
     pub fn mirrored(&self, wo: Vector<R>, visit: &mut impl FnMut(Mirror<R>)) {
         for part in self.shares() {
             part.mirrored(wo, visit);
@@ -233,9 +228,12 @@ impl<'a, R: Real> Share<'a, R> {
         core::array::from_fn(|c| f[c] * self.reflectivity[c] * cosine)
     }
 
-    /// A direction above the horizon.
+    /// A direction above the horizon; none for a view from under the part's own.
     fn sample(&self, wo: Vector<R>, u: [R; 3]) -> Option<Vector<R>> {
         let wo = self.to_own(wo);
+        if !wo.z.gt(R::ZERO).any() {
+            return None;
+        }
         let wi = match &self.body {
             SpotBody::Layers(layers) => layers.sample(wo, u)?,
             SpotBody::Brushed { metal, turn: (cosine, sine) } => {
@@ -250,6 +248,9 @@ impl<'a, R: Real> Share<'a, R> {
 
     fn pdf(&self, wi: Vector<R>, wo: Vector<R>) -> R {
         let (wi, wo) = (self.to_own(wi), self.to_own(wo));
+        if !wi.z.min(wo.z).gt(R::ZERO).any() {
+            return R::ZERO;
+        }
         match &self.body {
             SpotBody::Layers(layers) => layers.pdf(wi, wo),
             SpotBody::Brushed { metal, turn } => metal.pdf(turned(wi, *turn), turned(wo, *turn)),
@@ -267,9 +268,19 @@ impl<'a, R: Real> Share<'a, R> {
             return;
         }
         match &self.body {
-            SpotBody::Layers(layers) => mirrors(layers.layers().iter().copied(), layers.model, wo, &mut found),
+            SpotBody::Layers(layers) => {
+                mirrors(layers.layers().iter().copied(), layers.model, [R::ZERO; 3], wo, &mut found);
+                if let (Some(sigma), Interface::Microfacet { n, k, .. }) = (&layers.scatter, layers.layers[0].interface)
+                {
+                    found(scattered(*sigma, n, k, wo));
+                }
+            }
             SpotBody::Whole(stack) => {
-                mirrors(stack.effective_layers().iter().map(Layer::cast), stack.model(), wo, &mut found);
+                let again = match stack.model() {
+                    Model::Coupled | Model::Walk => stack.bounced().map(R::from_f64),
+                    _ => [R::ZERO; 3],
+                };
+                mirrors(stack.effective_layers().iter().map(Layer::cast), stack.model(), again, wo, &mut found);
             }
             SpotBody::Brushed { metal, .. } => {
                 let weight = core::array::from_fn(|c| interface_fresnel(wo.z, metal.n[c], metal.k[c]).reflectance);
@@ -280,62 +291,12 @@ impl<'a, R: Real> Share<'a, R> {
     }
 }
 
-fn mirror_of<R: Real>(wo: Vector<R>) -> Vector<R> {
-    Vector::new(-wo.x, -wo.y, wo.z)
-}
-
-/// The lobes and the cosine that layers reflect a view to.
-fn mirrors<R: Real>(
-    layers: impl Iterator<Item = Layer<R, 3>>,
-    model: Model,
-    wo: Vector<R>,
-    visit: &mut impl FnMut(Mirror<R>),
-) {
-    // What passes on the way of the view, and of light from 60° to the normal.
-    let (mut seen, mut lit) = ([R::ONE; 3], [R::ONE; 3]);
-    let (mut view, mut light) = (wo, Vector::new(R::from_f64(0.75).sqrt(), R::ZERO, R::HALF));
-    let mut n_above = R::ONE;
-    for layer in layers {
-        let (n, k, alpha) = match layer.interface {
-            Interface::Microfacet { n, k, alpha } => (n, k, alpha),
-            Interface::Diffuse { albedo, .. } => {
-                let weight = core::array::from_fn(|c| albedo[c] * seen[c] * lit[c] / (n_above * n_above));
-                let direction = Vector::new(R::ZERO, R::ZERO, R::ONE);
-                return visit(Mirror { direction, alpha: R::ONE, diffuse: true, weight });
-            }
-        };
-        let fresnel = |cosine: R| -> [_; 3] {
-            core::array::from_fn(|c| interface_fresnel(cosine, n[c] / n_above, k[c] / n_above))
-        };
-        let (at_view, at_light) = (fresnel(view.z), fresnel(light.z));
-        let weight = core::array::from_fn(|c| at_view[c].reflectance * seen[c] * seen[c]);
-        let alpha = (alpha * n_above).min(R::ONE);
-        visit(Mirror { direction: mirror_of(wo), alpha, diffuse: false, weight });
-        if model == Model::Elek {
-            return;
-        }
-        let eta = n[0] / n_above;
-        (view, light) = (refract(view, eta), refract(light, eta));
-        if !view.z.min(light.z).gt(R::ZERO).any() {
-            return;
-        }
-        let Medium { sigma, thickness } = layer.medium;
-        for c in 0..3 {
-            // transmittance() is that of both ways; √ of equal ways is one of them.
-            let one_way = |cosine: R| transmittance(sigma[c], thickness * R::HALF, cosine, cosine);
-            seen[c] = seen[c] * at_view[c].transmittance * one_way(view.z);
-            lit[c] = lit[c] * at_light[c].transmittance * one_way(light.z);
-        }
-        n_above = n[0];
-    }
-}
-
 fn clamped<R: Real>(x: R, range: &RangeInclusive<f64>) -> R {
     x.max(R::from_f64(*range.start())).min(R::from_f64(*range.end()))
 }
 
 fn saturated<R: Real>(x: R) -> R {
-    x.max(R::ZERO).min(R::ONE)
+    x.saturate()
 }
 
 /// A direction in the axes along and across the grooves; `turn` is the cosine and sine of the angle of the grooves.
@@ -345,6 +306,7 @@ fn turned<R: Real>(w: Vector<R>, (cosine, sine): (R, R)) -> Vector<R> {
 
 fn brushed<'a, R: Real>(metal: &BrushedMetal, point: &Point<R>, images: &[Image]) -> SpotBody<'a, R> {
     let index = |field: &Colour, range: &RangeInclusive<f64>| field.at::<R>(point, images).map(|x| clamped(x, range));
+    let turn: R = metal.turn.at(point, images);
     SpotBody::Brushed {
         metal: Brushed {
             n: index(&metal.n, &N_RANGE),
@@ -353,7 +315,7 @@ fn brushed<'a, R: Real>(metal: &BrushedMetal, point: &Point<R>, images: &[Image]
             alpha_y: clamped(metal.across.at(point, images), &ALPHA_RANGE),
             shape: Shape::Ggx,
         },
-        turn: metal.turn.at::<R>(point, images).unit_circle(),
+        turn: (turn - turn.floor()).unit_circle(),
     }
 }
 
@@ -369,7 +331,7 @@ fn layered<'a, R: Real>(layers: &Layers, returned: f64, point: &Point<R>, images
     }
     let flaked = layers.coats.iter().any(|coat| coat.flakes.is_some());
     let grains = flaked.then(|| Grains::new(&layers.coats, point, images));
-    let scatter = layers.scatter.as_ref().map(|sigma| sigma.at(point, images));
+    let scatter = layers.scatter.as_ref().map(|sigma| sigma.at::<R>(point, images).map(saturated));
     SpotBody::Layers(Resolved { model: layers.model, layers: resolved, count, grains, scatter })
 }
 
@@ -405,7 +367,9 @@ impl Relief {
             Relief::Height { height, step } => {
                 let step = R::from_f64(*step);
                 let here: R = height.at(point, images);
-                let slope = |moved: Point<R>| (height.at::<R>(&moved, images) - here) / step;
+                let steepest = R::from_f64(STEEPEST);
+                let slope =
+                    |moved: Point<R>| ((height.at::<R>(&moved, images) - here) / step).max(-steepest).min(steepest);
                 bump::normal_from_slopes(slope(point.shifted(step, R::ZERO)), slope(point.shifted(R::ZERO, step)))
             }
             Relief::Map { normals, encoding, strength } => {

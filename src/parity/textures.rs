@@ -9,7 +9,7 @@ use crate::random::random;
 use crate::real::Real;
 use crate::texture::image::{self, Image};
 use crate::texture::ramp::{self, Ramp, Stop};
-use crate::texture::{bump, mask, noise};
+use crate::texture::{bump, mask, noise, scratch};
 use std::sync::OnceLock;
 
 /// Images of numbers in [0, 1], of each number of channels, one column or row among them; and where each begins.
@@ -110,6 +110,13 @@ fn point_and_octaves(d: &mut Draw) -> Vec<f64> {
     flat![p, d.word(), d.between(-1.0, 2.0), d.between(0.31, 2.93), octaves, d.fraction(), d.between(1.71, 2.13)]
 }
 
+/// As [`point_and_seed`], and density, width and layers.
+fn point_and_scratches(d: &mut Draw) -> Vec<f64> {
+    let mut arguments = point_and_seed(d);
+    arguments.extend([d.fraction(), d.between(-0.03, 0.43), (5.0 * d.unit()).floor()]);
+    arguments
+}
+
 fn word<R: Real>(x: R) -> u32 {
     x.to_f64() as u32
 }
@@ -130,6 +137,9 @@ pub(super) fn twins() -> Vec<Twin> {
             |a| coordinates(noise::fractal_slope(at(a, 0), word(a[3]), a[4], a[5], word(a[6]), a[7], a[8]))),
         twin!(noise::ridged / 7, point_and_octaves,
             |a| [noise::ridged(at(a, 0), word(a[3]), a[4], a[5], word(a[6]), a[7], a[8])]),
+
+        twin!(scratch::scratches / 5, point_and_scratches,
+            |a| [scratch::scratches(at(a, 0), word(a[3]), a[4], a[5], word(a[6]))]),
 
         twin!(ramp::two / 3, |d| flat![std::array::from_fn::<_, 9, _>(|_| d.fraction())],
             |a| ramp::two(triple(a, 0), triple(a, 3), triple(a, 6))),

@@ -1,8 +1,10 @@
 //! Bumps: a normal that is not the surface's, from a height or from a texel, and the frame about it.
 //!
 //! Normals here are local to the shading frame of the surface: +z is the surface's own normal, +x its tangent along growing u, so
-//! that a height h(u, v) over it has the normal (−∂h/∂x, −∂h/∂y, 1), made unit. [`frame_about`] is where a material evaluates
-//! its BRDF then; [`perturbed`] the same frame in the world's space (Mihaylov 2013, eq. 4.14).
+//! that a height h(u, v) over it has the normal (−∂h/∂x, −∂h/∂y, 1), made unit. [`frame_about`] is where a BRDF is evaluated then;
+//! [`perturbed`] the same frame in the world's space (Mihaylov 2013, eq. 4.14). A material's own frame
+//! ([`Spot`](crate::material::Spot)) is [`Frame::from_normal_and_tangent`] of the same normal and +x: the same but for a normal within 1e-7 of
+//! the tangent.
 //!
 //! A bump changes the normal, not the surface: what it hides, it does not shadow.
 

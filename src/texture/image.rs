@@ -16,7 +16,10 @@ use crate::real::Real;
 use alloc::vec::Vec;
 use core::fmt;
 
-/// The most texels of an image: their indices and those of a few more images fit in the 32 bits of WGSL's indices.
+/// The most texels of an image, and of all images of a material: their indices fit in the 32 bits of WGSL's.
+///
+/// An adapter takes fewer, as a texel is 16 bytes of one storage buffer: 2²³ of them (an image of 2896 × 2896) under WebGPU's default limit of
+/// 128 MiB, and what its `max_storage_buffer_binding_size` says elsewhere. More are refused before anything runs, with that limit.
 pub const MOST_TEXELS: usize = 1 << 28;
 
 /// What lies beyond the edge of an image.

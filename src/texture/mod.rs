@@ -1,6 +1,6 @@
 //! Textures: how the parameters of a material vary over a surface.
 //!
-//! [`noise`] is made of a hash, [`image`] of texels; [`ramp`] makes colours of grey values, [`mask`] decides between two materials,
+//! [`noise`] and [`scratch`] are made of a hash, [`image`] of texels; [`ramp`] makes colours of grey values, [`mask`] decides between two materials,
 //! [`bump`] tilts the normal. Each is the documents' (Mihaylov 2013, §3.2–3.3 and §4.2–4.3), as a function of a point and of
 //! parameters, with a twin in WGSL.
 //!
@@ -23,3 +23,4 @@ pub mod image;
 pub mod mask;
 pub mod noise;
 pub mod ramp;
+pub mod scratch;

@@ -110,11 +110,11 @@ pub fn fractal_slope<R: Real>(
     sum
 }
 
-/// Ridged fractal noise: [`fractal`] of 1 − |n|, whose ridges lie where the noise is 0: lines, as scratches and cracks are.
+/// Ridged fractal noise: [`fractal`] of 1 − |n|, whose ridges lie where the noise is 0: wandering lines, as cracks are.
 ///
 /// In plain text: Σ amplitude·gainᵏ·(1 − |gradient(p·frequency·lacunarityᵏ + k·shift, seed + k)|).
 ///
-/// In [0, amplitude·(1 − gainᵒᶜᵗᵃᵛᵉˢ)/(1 − gain)]. The crest of a ridge is sharp: the slope changes its sign there. Points stretched
+/// In [0, amplitude·(1 − gainᵒᶜᵗᵃᵛᵉˢ)/(1 − gain)]. The crest of a ridge is sharp: the slope changes its sign there. Straight lines are those of [`super::scratch`]. Points stretched
 /// along an axis (divide that coordinate) give the documents' brushed look (Mihaylov 2013, §3.1.4).
 ///
 /// Source: Musgrave 1994, "ridged multifractal", without its feedback from one octave to the next.

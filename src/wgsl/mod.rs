@@ -70,7 +70,8 @@ macro_rules! modules {
 #[rustfmt::skip]
 pub const MODULES: &[(&str, &str)] = modules![
     "absorption", "brushed", "bump", "diffuse", "distribution", "flake", "fresnel", "fresnel_fit", "glint", "image", "kubelka_munk", "layered",
-    "mask", "masking", "microfacet", "noise", "patina", "phong", "ramp", "random", "real", "refraction", "sampling", "table", "walk",
+    "mask", "masking", "microfacet", "noise", "patina", "phong", "ramp", "random", "real", "refraction", "sampling", "scratch", "table",
+    "walk",
 ];
 
 /// The text of one module, as written: with its imports.

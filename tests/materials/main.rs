@@ -5,17 +5,29 @@
 #[path = "../adapters/mod.rs"]
 mod adapters;
 mod energy;
+mod fields;
+mod grooves;
 #[cfg(feature = "check")]
 mod plausible;
 mod twins;
+#[cfg(feature = "toml")]
+mod variants;
 
 use brdf::Vector;
-use brdf::material::{Point, built_in};
+use brdf::material::{Material, Point, built_in};
 use brdf::random::random;
 
 /// Every built-in material that has a twin: all of them.
-fn materials() -> Vec<(&'static str, brdf::material::Material)> {
+fn materials() -> Vec<(&'static str, Material)> {
     built_in::all().iter().map(|named| (named.name, named.material().expect(named.name))).collect()
+}
+
+/// What no built-in material is made of: other fields, maps of normals, images, stacks; and fields that leave their range.
+fn variants() -> Vec<(&'static str, Material)> {
+    #[cfg(feature = "toml")]
+    return variants::variants();
+    #[cfg(not(feature = "toml"))]
+    Vec::new()
 }
 
 /// A point of the unit sphere, and what else a material may ask.

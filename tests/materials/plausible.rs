@@ -20,7 +20,8 @@ fn blends_are_plausible() {
             let cover = |part: &Part| part.cover.at::<f64>(&point(*index).cast(), material.images());
             material.parts().iter().skip(1).all(|part| (0.2..0.8).contains(&cover(part)))
         };
-        let index = (0..2000).find(is_blend).unwrap_or(0);
+        let index =
+            (0..200_000).find(is_blend).unwrap_or_else(|| panic!("{name}: a point where every part has a share"));
         let place = point(index).cast::<f64>();
         let spot = material.at(&place);
         let subject = check::from_fn(name, 3, |wi: Vector<f64>, wo, f: &mut [f64]| {

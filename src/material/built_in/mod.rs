@@ -19,6 +19,7 @@ pub mod patinated;
 pub mod rust;
 pub mod worn;
 
+use super::field::Scalar;
 use super::parts::{Material, MaterialError};
 use crate::texture::ramp::RampError;
 use alloc::boxed::Box;
@@ -153,11 +154,15 @@ pub fn all() -> Vec<Named> {
             "polished metal with scratches and dirt (Mihaylov, §3.2, §4.2)",
             worn::WornMetal::default(),
         ),
-        named("brushed_steel", "grooves along the surface (Mihaylov, §3.1.4)", worn::BrushedSteel::default()),
+        named(
+            "brushed_steel",
+            "grooves along v: from pole to pole of a sphere (Mihaylov, §3.1.4)",
+            worn::BrushedSteel::default(),
+        ),
         named(
             "turned_steel",
-            "grooves around the axis, as of a pot's bottom (Mihaylov, §3.1.4)",
-            worn::BrushedSteel { turn: 0.25, ..worn::BrushedSteel::default() },
+            "grooves along u: around the axis, as of a pot's bottom (Mihaylov, §3.1.4)",
+            worn::BrushedSteel { turn: 0.0, ..worn::BrushedSteel::default() },
         ),
         named("orange_lacquer", "a lacquer of varying thickness (Elek, fig. 10)", lacquer::Lacquer::orange()),
         named("purple_lacquer", "a lacquer of varying thickness (Elek, fig. 10)", lacquer::Lacquer::purple()),
@@ -190,7 +195,15 @@ pub fn with(name: &str, changes: &[(String, f64)]) -> Result<Material, Parameter
     found.material().map_err(|error| ParameterError(error.to_string()))
 }
 
+/// A mask of a map in [0, 1] at a stage from 0 to 1, the light shades first: 0 everywhere at 0 and 1 everywhere at 1, whatever the softness.
+fn by_stage(map: Scalar, stage: f64, softness: f64) -> Scalar {
+    // The edge moves from just above the map to just below it. A hair more than its half width, which f32 holds beside 1 + 1, keeps out
+    // rounding, and a map of just 0 from a sharp edge.
+    let beyond = softness + 1e-6;
+    map.above(1.0 + beyond - stage * (1.0 + 2.0 * beyond), softness)
+}
+
 /// Colours of a part that make no ramp.
 fn no_ramp(part: usize, error: &RampError) -> MaterialError {
-    MaterialError { part, layer: None, problem: error.to_string() }
+    MaterialError { part, layer: None, key: None, problem: error.to_string() }
 }

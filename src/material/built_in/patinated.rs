@@ -1,6 +1,6 @@
 //! Copper that patina grows on: by extent (Elek 2010, §4.2) and by age (Mihaylov, §3.3.2).
 
-use super::{BuiltIn, Parameter, no_ramp};
+use super::{BuiltIn, Parameter, by_stage, no_ramp};
 use crate::layered::{Model, Widths};
 use crate::material::field::{Colour, Noise, Property, Scalar};
 use crate::material::finish::{Body, Coat, Finish, Layers, Relief};
@@ -16,7 +16,7 @@ use alloc::vec::Vec;
 pub struct Patina {
     /// How far it has grown over the whole surface, from −transition to 1 + transition.
     pub extent: f64,
-    /// The softness of its edge.
+    /// Half the width of its edge.
     pub transition: f64,
     /// The α of clean copper.
     pub alpha: f64,
@@ -153,7 +153,7 @@ fn index(name: &str) -> ([f64; 3], [f64; 3]) {
 /// Copper by its age: five colours in bands, spots that grow together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Timeline {
-    /// From 0 (new) to 1 (25 years or more).
+    /// From 0 (new, bare copper) to 1 (25 years or more, covered everywhere).
     pub age: f64,
     /// How much the colour of a place differs from that of the age.
     pub variety: f64,
@@ -161,7 +161,7 @@ pub struct Timeline {
     pub sigma: f64,
     /// The share of a map of hidden places in the mask; the rest is noise (Mihaylov, fig. 26).
     pub hidden_first: f64,
-    /// The softness of the edges of bands and spots.
+    /// Half the width of the edges of bands and spots.
     pub softness: f64,
     /// Which noise.
     pub seed: u32,
@@ -200,8 +200,7 @@ impl BuiltIn for Timeline {
         let mask = cloud(self.seed.wrapping_add(1), 2.0, 5)
             .scaled(open, 0.0)
             .plus(Scalar::Of(Property::Occlusion).scaled(self.hidden_first, 0.0));
-        // Light shades first: at age 0 nothing is covered, at age 1 everything.
-        let cover = mask.above(1.0 - self.age * (1.0 + self.softness) + 0.5 * self.softness, self.softness);
+        let cover = by_stage(mask, self.age, self.softness);
         let relief = Relief::Height { height: noise.scaled(0.01, 0.0), step: 0.004 };
         let film = Finish::layers(vec![Coat::diffuse(colour, self.sigma)]).with_relief(relief);
         Material::new(

@@ -1,6 +1,6 @@
 //! Rust on iron (Mihaylov, §3.3.1 and §4.3).
 
-use super::{BuiltIn, Parameter, no_ramp};
+use super::{BuiltIn, Parameter, by_stage, no_ramp};
 use crate::material::field::{Colour, Noise, Scalar};
 use crate::material::finish::{Coat, Finish, Relief};
 use crate::material::metal;
@@ -12,9 +12,9 @@ use alloc::vec::Vec;
 /// Iron with spots of rust: a noise mask over Cook–Torrance iron and an Oren–Nayar rust whose colour and height are noise.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RustyIron {
-    /// How much of the iron has rusted, from 0 to 1.
+    /// How much of the iron has rusted, from 0 (none) to 1 (all).
     pub amount: f64,
-    /// The softness of the mask's edge; 0 is the documents' mask of zeros and ones.
+    /// Half the width of the mask's edge; 0 is the documents' mask of zeros and ones.
     pub softness: f64,
     /// The α of the iron.
     pub alpha: f64,
@@ -49,8 +49,7 @@ impl RustyIron {
     /// The mask: 1 where there is rust (the listing's side of it, erratum 23).
     pub fn mask(&self) -> Scalar {
         let noise = Scalar::Fractal(Noise::new(self.seed, self.frequency).octaves(6)).scaled(0.6, 0.5);
-        // From none of the noise's range to all of it.
-        noise.above(1.25 - 1.5 * self.amount, self.softness)
+        by_stage(noise.levels(0.0, 1.0), self.amount, self.softness)
     }
 
     /// The height map: fractal, the input of the colours as well.

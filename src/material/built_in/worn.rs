@@ -1,7 +1,7 @@
 //! Metals that were used: brushed, scratched, dirty (Mihaylov, §3.1.4, §3.2 and §4.2).
 
 use super::{BuiltIn, Parameter};
-use crate::material::field::{Colour, Noise, Property, Scalar};
+use crate::material::field::{Colour, Noise, Property, Scalar, Scratches};
 use crate::material::finish::{Body, BrushedMetal, Coat, Finish, Relief};
 use crate::material::metal;
 use crate::material::parts::{Material, MaterialError, Part};
@@ -48,15 +48,13 @@ fn index(name: &str) -> ([f64; 3], [f64; 3]) {
 }
 
 impl WornMetal {
-    /// How deep scratches are at a point, from 0 to 1: long lines in two directions.
+    /// How deep scratches are at a point, from 0 to 1: long ones, and short ones over them.
     pub fn scratches(&self) -> Scalar {
-        let lines = |seed: u32, frequency: [f64; 3]| {
-            let noise = Noise { frequency, ..Noise::new(self.seed.wrapping_add(seed), 1.0) };
-            // A line is where noise crosses 0: the top of 1 − |noise|, the wider the more of them there are.
-            Scalar::Ridged(noise).levels(1.0 - 0.12 * self.amount, 1.0)
-        };
-        let both = lines(0, [0.6, 13.0, 9.0]).plus(lines(1, [16.0, 0.8, 6.0]));
-        both.levels(0.0, 1.0)
+        let [long, short] = [(0, 1.1, 0.004, 24), (1, 3.0, 0.008, 12)].map(|(seed, frequency, width, layers)| {
+            let scratches = Scratches::new(self.seed.wrapping_add(seed), frequency).layers(layers);
+            Scalar::Scratches(Scratches { density: self.amount, width, ..scratches })
+        });
+        long.plus(short).levels(0.0, 1.0)
     }
 }
 
@@ -96,9 +94,11 @@ pub struct BrushedSteel {
     pub along: f64,
     /// The α across the grooves.
     pub across: f64,
-    /// The direction of the grooves in turns: 0 along u, ¼ along v.
+    /// The direction of the grooves in turns: 0 along u, which is around the axis of a sphere or torus about z, ¼ along v.
     pub turn: f64,
-    /// How much the width differs from groove to groove, from 0 to 1.
+    /// How much the width differs from groove to groove, from 0 to 1. The streaks are solid noise, drawn out along circles about z or along z
+    /// itself: those are the grooves of a cylinder and of a sphere near its equator, towards the poles they become grains, as they are where
+    /// grooves run obliquely.
     pub variety: f64,
     /// Which grooves.
     pub seed: u32,
@@ -106,7 +106,7 @@ pub struct BrushedSteel {
 
 impl Default for BrushedSteel {
     fn default() -> Self {
-        BrushedSteel { along: 0.08, across: 0.35, turn: 0.0, variety: 0.4, seed: 9 }
+        BrushedSteel { along: 0.08, across: 0.35, turn: 0.25, variety: 0.4, seed: 9 }
     }
 }
 
@@ -122,8 +122,10 @@ impl BuiltIn for BrushedSteel {
 
     fn material(&self) -> Result<Material, MaterialError> {
         let (n, k) = index("chromium");
-        // Streaks: fine around the axis, long along it, as the noise is solid.
-        let streaks = Noise { frequency: [1.0, 1.0, 60.0], ..Noise::new(self.seed, 1.0) }.octaves(3);
+        // Fine across the grooves and long along them: of grooves around the axis z alone tells one from another, of those along it x and y.
+        let (along_v, along_u) = (core::f64::consts::TAU * self.turn).sin_cos();
+        let [around, up] = [along_v, along_u].map(|share| (1.0 + 59.0 * share.abs()).round());
+        let streaks = Noise { frequency: [around, around, up], ..Noise::new(self.seed, 1.0) }.octaves(3);
         let streaks = Scalar::Fractal(streaks).scaled(self.variety * self.across, self.across);
         let metal = BrushedMetal {
             n: n.into(),

@@ -3,7 +3,7 @@
 use super::{DescriptionError, FINITE, NOT_NEGATIVE, Reader, whole, within};
 use crate::layered::description::Value;
 use crate::layered::description::tree::{Entry, Table, suggestion};
-use crate::material::field::{Colour, Lookup, Noise, Property, Scalar};
+use crate::material::field::{Colour, Lookup, Noise, Property, Scalar, Scratches};
 use crate::texture::image::{Encoding, Filter};
 use crate::texture::ramp::{Ramp, RampError, Stop};
 use alloc::boxed::Box;
@@ -21,9 +21,10 @@ const MOST_TERMS: usize = 16;
 const MOST_STOPS: usize = 64;
 
 /// The keys that say what a number is, each with all the keys of its table; `of` alone scales.
-const SCALARS: [(&str, &[&str]); 10] = [
+const SCALARS: [(&str, &[&str]); 11] = [
     ("noise", &["noise"]),
     ("ridged", &["ridged"]),
+    ("scratches", &["scratches"]),
     ("image", &["image", "channel", "repeat"]),
     ("sum", &["sum"]),
     ("product", &["product"]),
@@ -93,6 +94,7 @@ impl Reader<'_> {
         Ok(match name {
             "noise" => Scalar::Fractal(noise(&own)?),
             "ridged" => Scalar::Ridged(noise(&own)?),
+            "scratches" => Scalar::Scratches(scratches(&own)?),
             "image" => {
                 let image = self.image(&own, Encoding::Linear, Filter::Bilinear)?;
                 let channel = table.get("channel").map_or(Ok(0), |entry| channel(&entry))?;
@@ -215,6 +217,21 @@ fn noise(entry: &Entry<'_>) -> Result<Noise, DescriptionError> {
         octaves: table.get("octaves").map_or(Ok(1), |entry| whole(&entry, 1..=Noise::MOST_OCTAVES))?,
         gain: number("gain", 0.5)?,
         lacunarity: number("lacunarity", 2.0)?,
+    })
+}
+
+fn scratches(entry: &Entry<'_>) -> Result<Scratches, DescriptionError> {
+    let keys = &["seed", "frequency", "density", "width", "layers"];
+    let table = entry.table(keys, "a table such as { frequency = 2.0, width = 0.01, layers = 8 }")?;
+    let frequency = triple(&table.require("frequency", "a number of cells in a unit of length, or three")?, &FINITE)?;
+    let number = |key, default, range| table.get(key).map_or(Ok(default), |entry| within(&entry, range));
+    let usual = Scratches::new(0, 1.0);
+    Ok(Scratches {
+        seed: table.get("seed").map_or(Ok(0), |entry| whole(&entry, 0..=u32::MAX))?,
+        frequency,
+        density: number("density", usual.density, &(0.0..=1.0))?,
+        width: number("width", usual.width, &(0.0..=0.375))?,
+        layers: table.get("layers").map_or(Ok(1), |entry| whole(&entry, 1..=Scratches::MOST_LAYERS))?,
     })
 }
 

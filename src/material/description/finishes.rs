@@ -5,7 +5,9 @@ use crate::layered::description::Description;
 use crate::layered::description::tree::{Entry, Table, suggestion};
 use crate::layered::{ALPHA_RANGE, K_RANGE, Model, N_RANGE, Widths};
 use crate::material::field::{Colour, Scalar};
-use crate::material::finish::{Body, Boundary, BrushedMetal, Coat, Encoding, Finish, Flakes, Layers, Relief};
+use crate::material::finish::{
+    Body, Boundary, BrushedMetal, Coat, Encoding, Finish, Flakes, Layers, Relief, STEP_RANGE, STRENGTH_RANGE,
+};
 use crate::material::{glint, metal};
 use crate::texture::image::Filter;
 use alloc::boxed::Box;
@@ -54,7 +56,7 @@ impl Reader<'_> {
         let model = part.get("model").map_or(Ok(Model::Conserving), |entry| model(&entry))?;
         let widths = part.get("widths").map_or(Ok(model.widths()), |entry| widths(&entry))?;
         let returns = part.get("returns").map_or(Ok(false), |entry| entry.flag())?;
-        let scatter = part.get("scatter").map(|entry| self.colour(&entry, &NOT_NEGATIVE)).transpose()?;
+        let scatter = part.get("scatter").map(|entry| self.colour(&entry, &SHARE)).transpose()?;
         let items = list.items("a list of tables from the top, in TOML each under [[part.layer]]")?;
         let coats = items.iter().map(|item| self.coat(item)).collect::<Result<_, _>>()?;
         Ok(Layers { model, widths, coats, returns, scatter })
@@ -161,13 +163,13 @@ impl Reader<'_> {
         }
         if table.get("height").is_some() {
             let step = table.require("step", "a length, over which slopes are taken")?;
-            return Ok(Relief::Height { height: self.scalar(&of, &FINITE)?, step: within(&step, &POSITIVE)? });
+            return Ok(Relief::Height { height: self.scalar(&of, &FINITE)?, step: within(&step, &STEP_RANGE)? });
         }
         let encoding = match table.get("encoding") {
             Some(entry) => encoding(&entry)?,
             None => Encoding::Rgb,
         };
-        let strength = table.get("strength").map_or(Ok(1.0), |entry| within(&entry, &FINITE))?;
+        let strength = table.get("strength").map_or(Ok(1.0), |entry| within(&entry, &STRENGTH_RANGE))?;
         Ok(Relief::Map { normals: self.normals(&of, Filter::Bilinear)?, encoding, strength })
     }
 

@@ -1,6 +1,6 @@
 //! Fields as WGSL: a statement for each node, in the order in which they are needed.
 
-use crate::material::field::{Colour, Lookup, Noise, Property, Scalar};
+use crate::material::field::{Colour, Lookup, Noise, Property, Scalar, Scratches};
 use crate::texture::image::Image;
 use crate::texture::ramp::Ramp;
 use alloc::format;
@@ -48,6 +48,10 @@ impl<'a> Statements<'a> {
             Scalar::Of(property) => return property_of(*property).to_string(),
             Scalar::Fractal(noise) => noise_call("fractal", noise),
             Scalar::Ridged(noise) => noise_call("ridged", noise),
+            Scalar::Scratches(Scratches { seed, frequency, density, width, layers }) => {
+                let (place, [density, width]) = (in_cells(*frequency), [*density, *width].map(literal));
+                format!("brdf::scratch::scratches({place}, {seed}u, {density}, {width}, {layers}u)")
+            }
             Scalar::Image(lookup, channel) => {
                 let component = ["x", "y", "z", "w"].get(*channel).copied().unwrap_or("w");
                 format!("{}.{component}", self.texel(lookup))
@@ -58,7 +62,7 @@ impl<'a> Statements<'a> {
             Scalar::Sum(a, b) => format!("{} + {}", self.scalar(a), self.scalar(b)),
             Scalar::Product(a, b) => format!("{} * {}", self.scalar(a), self.scalar(b)),
             Scalar::Mix(a, b, share) => {
-                let (a, b, share) = (self.scalar(a), self.scalar(b), self.scalar(share));
+                let (a, b, share) = (self.scalar(a), self.scalar(b), self.share(share));
                 format!("{a} * (1.0 - {share}) + {b} * {share}")
             }
             Scalar::Levels { of, black, white } => {
@@ -73,6 +77,12 @@ impl<'a> Statements<'a> {
             }
         };
         self.named(&expression)
+    }
+
+    /// The expression of a number clamped to [0, 1].
+    fn share(&mut self, scalar: &Scalar) -> String {
+        let scalar = self.scalar(scalar);
+        self.named(&format!("clamp({scalar}, 0.0, 1.0)"))
     }
 
     /// The expression of a colour at `point`.
@@ -91,12 +101,13 @@ impl<'a> Statements<'a> {
             Colour::Image(lookup) => format!("{}.xyz", self.texel(lookup)),
             Colour::Scaled(colour, factor) => format!("{} * {}", self.colour(colour), self.scalar(factor)),
             Colour::Mix(a, b, share) => {
-                let (a, b, share) = (self.colour(a), self.colour(b), self.scalar(share));
+                let (a, b, share) = (self.colour(a), self.colour(b), self.share(share));
                 format!("{a} * (1.0 - {share}) + {b} * {share}")
             }
             Colour::Film { absorption, scattering, thickness, ground } => {
                 let (thickness, ground) = (self.scalar(thickness), self.colour(ground));
-                let ground = self.named(&ground);
+                let ground = self.named(&format!("clamp({ground}, vec3f(0.0), vec3f(1.0))"));
+                let thickness = self.named(&format!("max({thickness}, 0.0)"));
                 let channel = |c: usize, component: &str| {
                     let (absorption, scattering) = (literal(absorption[c]), literal(scattering[c]));
                     format!("brdf::kubelka_munk::film({absorption}, {scattering}, {thickness}, {ground}.{component})")
@@ -109,7 +120,9 @@ impl<'a> Statements<'a> {
 
     /// The expression of a texel.
     pub(super) fn texel(&mut self, lookup: &Lookup) -> String {
-        let first: u32 = self.images.iter().take(lookup.image).map(|image| image.width() * image.height()).sum();
+        // A material has at most `MOST_TEXELS` in all, which these indices hold.
+        let texels = |image: &Image| image.width().saturating_mul(image.height());
+        let first = self.images.iter().take(lookup.image).map(texels).fold(0, u32::saturating_add);
         let [u, v] = lookup.repeat.map(literal);
         let Some(image) = self.images.get(lookup.image) else { return "vec4f(0.0, 0.0, 0.0, 0.0)".to_string() };
         let (width, height, function) = (image.width(), image.height(), image.function());
@@ -126,8 +139,13 @@ impl<'a> Statements<'a> {
     }
 }
 
+/// Where the point lies among cells of which there are `frequency` in a unit of length.
+fn in_cells(frequency: [f64; 3]) -> String {
+    format!("point.position * {}", vector(frequency))
+}
+
 fn noise_call(name: &str, noise: &Noise) -> String {
-    let place = format!("point.position * {}", vector(noise.frequency));
+    let place = in_cells(noise.frequency);
     let [amplitude, gain, lacunarity] = [noise.amplitude, noise.gain, noise.lacunarity].map(literal);
     let (seed, octaves) = (noise.seed, noise.octaves);
     format!("brdf::noise::{name}({place}, {seed}u, {amplitude}, 1.0, {octaves}u, {gain}, {lacunarity})")

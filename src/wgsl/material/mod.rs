@@ -5,7 +5,7 @@ mod layers;
 
 use crate::layered::{Model, Stack};
 use crate::material::Material;
-use crate::material::finish::{Body, BrushedMetal, Encoding, Layers, Relief};
+use crate::material::finish::{Body, BrushedMetal, Encoding, Layers, Relief, STEEPEST};
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -97,14 +97,15 @@ impl Writer {
         let text = match relief {
             Relief::Height { height, step } => {
                 let value = statements.scalar(height);
-                let step = literal(*step);
+                let [step, steepest] = [*step, STEEPEST].map(literal);
                 format!(
                     "fn part_{index}_height(point: Point) -> f32 {{\n{}    return {value};\n}}\n\n\
                      fn part_{index}_normal(point: Point) -> vec3f {{\n    \
                          let here = part_{index}_height(point);\n    \
                          let along = (part_{index}_height(_shifted(point, {step}, 0.0)) - here) / {step};\n    \
                          let across = (part_{index}_height(_shifted(point, 0.0, {step})) - here) / {step};\n    \
-                         return brdf::bump::normal_from_slopes(along, across);\n}}\n\n",
+                         let slopes = clamp(vec2f(along, across), vec2f(-{steepest}), vec2f({steepest}));\n    \
+                         return brdf::bump::normal_from_slopes(slopes.x, slopes.y);\n}}\n\n",
                     statements.text
                 )
             }
@@ -152,8 +153,12 @@ impl Writer {
                  if min(wi.z, wo.z) <= 0.0 {{\n        return vec3f(0.0, 0.0, 0.0);\n    }}\n    \
                  return ({f}) * spot_reflectivity[{index}] * wi.z;\n}}\n\n\
              fn part_{index}_sample(world_o: vec3f, u: vec3f) -> vec3f {{\n{view}\n    \
-                 let drawn = {drawn};\n    return {back};\n}}\n\n\
-             fn part_{index}_pdf(world_i: vec3f, world_o: vec3f) -> f32 {{\n{own}    return {density};\n}}\n\n"
+                 let drawn = {drawn};\n    \
+                 // Into the part's own surface: none, whatever the others have there.\n    \
+                 if min(drawn.z, wo.z) <= 0.0 {{\n        return vec3f(0.0, 0.0, 0.0);\n    }}\n    \
+                 return {back};\n}}\n\n\
+             fn part_{index}_pdf(world_i: vec3f, world_o: vec3f) -> f32 {{\n{own}    \
+                 if min(wi.z, wo.z) <= 0.0 {{\n        return 0.0;\n    }}\n    return {density};\n}}\n\n"
         );
     }
 
@@ -172,7 +177,7 @@ impl Writer {
         }
         let scatter = layers.scatter.as_ref().map(|sigma| statements.colour(sigma));
         if let Some(sigma) = &scatter {
-            statements.text += &format!("    spot_scatter[{index}] = {sigma};\n");
+            statements.text += &format!("    spot_scatter[{index}] = clamp({sigma}, vec3f(0.0), vec3f(1.0));\n");
         }
         let text = core::mem::take(&mut statements.text);
         self.resolve(index, &text, relief);
@@ -193,6 +198,9 @@ impl Writer {
             None => f,
         };
         self.stack(index, &f, (first, count, layers.model), relief, scatter.is_some());
+        if scatter.is_some() {
+            self.mirrors.push((index, format!("_scattered({first}u, spot_scatter[{index}], wo)")));
+        }
     }
 
     /// The rest of a part that is a stack of layers.
@@ -253,7 +261,7 @@ impl Writer {
             "    brushed_n[{index}] = clamp({n}, vec3f(1e-3), vec3f(1e3));\n    \
                  brushed_k[{index}] = clamp({k}, vec3f(0.0), vec3f(1e3));\n    \
                  brushed_alpha[{index}] = clamp(vec2f({along}, {across}), vec2f(1e-4), vec2f(1.0));\n    \
-                 brushed_turn[{index}] = brdf::real::unit_circle({turn});\n"
+                 brushed_turn[{index}] = brdf::real::unit_circle({turn} - floor({turn}));\n"
         );
         let text = core::mem::take(&mut statements.text);
         self.resolve(index, &text, relief);

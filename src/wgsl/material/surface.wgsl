@@ -105,3 +105,9 @@ fn _layer_mirror(first: u32, at: u32, wo: vec3f) -> Mirror {
     let terms = _terms_of(view.z, layer, n_above);
     return Mirror(_mirror_of(wo), min(layer.alpha * n_above, 1.0), terms[0] * seen * seen, false);
 }
+
+// The cosine of the documents' diffuse term over the interface at `first`: F at the half vector of the view and the normal.
+fn _scattered(first: u32, sigma: vec3f, wo: vec3f) -> Mirror {
+    let terms = _terms_of(sqrt(0.5 * (1.0 + wo.z)), spot_layers[first], 1.0);
+    return Mirror(vec3f(0.0, 0.0, 1.0), 1.0, (vec3f(1.0) - sigma) * (vec3f(1.0) - terms[0]), true);
+}

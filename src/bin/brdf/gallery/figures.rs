@@ -282,6 +282,6 @@ fn worn() -> Panels {
         View::studio()?.of(built(&worn)?)?,
         map_of(&worn.scratches(), View::studio()?)?,
         View::studio()?.of(built(&BrushedSteel::default())?)?,
-        View::studio()?.of(built(&BrushedSteel { turn: 0.25, ..BrushedSteel::default() })?)?,
+        View::studio()?.of(built(&BrushedSteel { turn: 0.0, ..BrushedSteel::default() })?)?,
     ]])
 }
