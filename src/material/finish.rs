@@ -66,8 +66,8 @@ pub struct Layers {
     /// The layers from the top.
     pub coats: Vec<Coat>,
     /// Whether light that the coat sends back to the diffuse base counts: the base's albedo ρ becomes ρ/(1 − ρ·r_i), the correction of
-    /// Saunderson. Exact for a Lambertian base under one smooth, clear coat; taken under the model `conserving` alone and over a base of σ = 0, as
-    /// anywhere else it would create light.
+    /// Saunderson. Exact to .25 % for a Lambertian base under one smooth, clear coat, and at most what arrives under a rough one; taken under the
+    /// model `conserving` alone and over a base of σ = 0, as anywhere else it would create light.
     pub returns: bool,
     /// The documents' diffuse term of the upper layer, (1 − σ)(1 − F₁)/π for this σ ([`super::patina::diffuse_as_printed`]; Elek 2010, §4.2),
     /// clamped to [0, 1] at each point: above it the term is negative. It lowers no transmittance, so that a stack with it reflects up to 3.8

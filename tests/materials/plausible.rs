@@ -1,7 +1,7 @@
 //! The judge on materials: what is blended of plausible stacks is plausible.
 
 use super::{materials, point};
-use brdf::check::{self, Verdict};
+use brdf::check::{self, Family, MaterialFamily, Verdict};
 use brdf::frame::Vector;
 use brdf::material::{Finish, Material, Part};
 
@@ -35,5 +35,18 @@ fn blends_are_plausible() {
         // The documents' own forms are there to be compared with: their judge finds the gain.
         let expected = if name.ends_with("as_printed") { Verdict::Fail } else { Verdict::Pass };
         assert_eq!(report.verdict(), expected, "{name}: {report:#?}");
+    }
+}
+
+/// Over every point and all that each of their numbers may be; what the judge is asked by `brdf check NAME`.
+#[test]
+fn built_in_materials_are_plausible_whatever_their_numbers() {
+    for named in brdf::material::built_in::all() {
+        let family = MaterialFamily::built_in(named.name).expect(named.name);
+        assert!(family.parameters().len() >= 3, "{}", named.name);
+        let report = check::check_family(&family, &check::Options::default());
+        println!("{:24} {}", named.name, report.verdict());
+        let expected = if named.name.ends_with("as_printed") { Verdict::Fail } else { Verdict::Pass };
+        assert_eq!((report.verdict(), family.error()), (expected, None), "{}: {report}", named.name);
     }
 }
