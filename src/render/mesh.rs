@@ -1,4 +1,4 @@
-//! Triangles, from Wavefront OBJ files ([`super::obj`]).
+//! Triangles, from Wavefront OBJ files.
 //!
 //! A mesh is moved and scaled so that the smallest sphere around its bounding box's centre that holds it is the unit sphere. Normals of the file are
 //! interpolated; without them a triangle is flat. A triangle without texture coordinates has those of a sphere around that centre.

@@ -8,7 +8,7 @@
 //!
 //! A level is summed, not sampled. Texels of an octahedral map differ by 3√3 in solid angle, so rays that suit one fall between others; instead every
 //! part of the sphere counts once, in squares of a pyramid that are at most a quarter of the lobe wide where it counts, each from where its light has its
-//! centre. What remains is the square of that quarter, under 1 % of a lobe's peak, and what bilinear texels leave out: [`SIDES`].
+//! centre. What remains is the square of that quarter, under 1 % of a lobe's peak, and what bilinear texels leave out.
 
 use super::environment::Environment;
 use super::octahedral::Map;
@@ -19,8 +19,8 @@ use rayon::prelude::*;
 /// The widths of the levels: of the environment itself, of Beckmann's lobes, and 1 for the cosine.
 pub const ALPHAS: [f64; 10] = [0.0, 0.02, 0.05, 0.1, 0.18, 0.3, 0.45, 0.65, 0.85, 1.0];
 
-/// Texels to a side: about three to the width of a lobe, which leaves 4 % of the peak of a point's image under the narrowest and 1 % from the third on;
-/// the cosine has more, as it bends at the horizon.
+/// Texels to a side: about three to the width of a lobe. Where texels are largest that leaves 9 % of the peak of a point's image under the narrowest lobe,
+/// 6 % under the second and 2 % from there on; the cosine has more texels, as it bends at the horizon.
 const SIDES: [usize; 10] = [0, 256, 128, 128, 64, 64, 32, 32, 32, 64];
 
 /// Squares to a side of the finest level of the pyramid: under a quarter of the narrowest lobe.
@@ -159,22 +159,6 @@ fn children(side: usize, index: usize) -> [usize; 4] {
     [first, first + 1, first + 2 * side, first + 2 * side + 1]
 }
 
-/// What light counts for by a lobe of width `alpha`, whose direction is this far, squared, from the lobe's.
-///
-/// Of a facet's normal at θ_h, with V = N at the lobe's middle, the light is at 2θ_h and |l − r|² = d = 4·sin²θ_h: tan² is d/(4−d), and D/4 the density
-/// over light. The cosine of the light is 1 − d/2.
-#[cfg(test)]
-fn weight(alpha: f64, squared: f64) -> f64 {
-    let cosine = 1.0 - 0.5 * squared;
-    if alpha >= 1.0 || cosine <= 0.0 {
-        // Below the horizon there is no light.
-        return cosine.max(0.0);
-    }
-    let inverse = 1.0 / (4.0 - squared);
-    // 16 makes the middle's weight 1.
-    16.0 * (-squared * inverse / (alpha * alpha)).exp() * inverse * inverse
-}
-
 /// Texels of a block.
 const LANES: usize = BLOCK * BLOCK;
 
@@ -188,7 +172,10 @@ struct Lobe {
 }
 
 impl Lobe {
-    /// [`weight`] in f32, of many at once: to 1e-6 of the middle's.
+    /// What light counts for whose direction is this far, squared, from the lobe's; 1 in the middle. Of many at once, to 1e-6.
+    ///
+    /// Of a facet's normal at θ_h, with V = N at the lobe's middle, the light is at 2θ_h and |l − r|² = d = 4·sin²θ_h: tan² is d/(4−d), and D/4 the
+    /// density over light: exp(−d/(4−d)/α²)·16/(4−d)². The cosine of the light is 1 − d/2, which is the weight of α = 1.
     ///
     /// e^−y is the sixteenth power of Padé's approximant of e^−z at z = y/16 ≤ 1, which is off by z⁵/720.
     #[inline(always)]
@@ -298,6 +285,18 @@ fn blurred(pyramid: &[(usize, Vec<Square>)], alpha: f64, side: usize) -> Map {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// [`Lobe::weights`] by its formula.
+    fn weight(alpha: f64, squared: f64) -> f64 {
+        let cosine = 1.0 - 0.5 * squared;
+        if alpha >= 1.0 || cosine <= 0.0 {
+            // Below the horizon there is no light.
+            return cosine.max(0.0);
+        }
+        let inverse = 1.0 / (4.0 - squared);
+        // 16 makes the middle's weight 1.
+        16.0 * (-squared * inverse / (alpha * alpha)).exp() * inverse * inverse
+    }
 
     #[test]
     fn a_constant_environment_stays_constant() {
