@@ -200,7 +200,8 @@ impl BuiltIn for Timeline {
         let mask = cloud(self.seed.wrapping_add(1), 2.0, 5)
             .scaled(open, 0.0)
             .plus(Scalar::Of(Property::Occlusion).scaled(self.hidden_first, 0.0));
-        let cover = by_stage(mask, self.age, self.softness);
+        // Noise seldom comes near its ends, nor occlusion to 1: what most places have is spread over all ages.
+        let cover = by_stage(mask.levels(0.1, 0.6), self.age, self.softness);
         let relief = Relief::Height { height: noise.scaled(0.01, 0.0), step: 0.004 };
         let film = Finish::layers(vec![Coat::diffuse(colour, self.sigma)]).with_relief(relief);
         Material::new(
