@@ -506,7 +506,15 @@ fn green_of_a_normal_map_is_up() {
     std::fs::write(folder.join("green.toml"), text).unwrap();
     let material = brdf::render::texture::read_material(&folder.join("green.toml")).unwrap().material;
     let _ = std::fs::remove_dir_all(&folder);
-    for mut seen in upright_scenes().into_iter().take(3) {
+    let mirrored = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 1 0\nvt 0 0\nvt 0 1\nvt 1 1\nf 1/1 2/2 3/3 4/4\n";
+    let mirrored = Shape::Mesh(mesh("mirrored_quad", mirrored).unwrap());
+    let mirrored = upright_scenes().into_iter().nth(2).map(|scene| Scene { shape: mirrored, ..scene });
+    // The back of a square, which v runs down.
+    let back = upright_scenes().into_iter().nth(1).map(|scene| {
+        let below = Orbit { elevation: -89.0, azimuth: 180.0, ..Orbit::default() };
+        Scene { camera: Camera::new(&below, 32, 32).unwrap(), ..scene }
+    });
+    for mut seen in upright_scenes().into_iter().take(3).chain(mirrored).chain(back) {
         seen.material = material.clone();
         seen.environment = Environment::dark();
         // From the viewer's side, from above and from below in the picture.

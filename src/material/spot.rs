@@ -361,7 +361,8 @@ impl Coat {
 }
 
 impl Relief {
-    /// The unit normal at a point, local to the surface's frame.
+    /// The unit normal at a point, local to the surface's frame. Green of a map is a slope towards growing v, which coordinates that are mirrored have
+    /// against the bitangent.
     pub fn normal<R: Real>(&self, point: &Point<R>, images: &[Image]) -> Vector<R> {
         match self {
             Relief::Height { height, step } => {
@@ -378,6 +379,8 @@ impl Relief {
                     Encoding::Rgb => bump::decode_rgb([r, g, b]),
                     Encoding::AlphaGreen => bump::decode_two_channel(a, g),
                 };
+                let mirrored = point.uv_per_length[1].lt(R::ZERO);
+                let normal = Vector::new(normal.x, R::select(mirrored, -normal.y, normal.y), normal.z);
                 bump::scaled(normal, R::from_f64(*strength))
             }
         }

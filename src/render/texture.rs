@@ -5,8 +5,7 @@
 //!
 //! Files store their upper row first, and v rises upwards on every shape and in OBJ files: an image is turned over when it is read, so that a picture
 //! stands upright where v is up, as it does in Blender. Green of a normal map is a slope towards growing v: +Y up, OpenGL's convention. A map
-//! with green downwards (DirectX's) must have its green inverted. Green follows the frame's bitangent: where a mesh's coordinates are mirrored, and on the
-//! back of a square, that is against v.
+//! with green downwards (DirectX's) must have its green inverted.
 
 use crate::material::description::{MaterialFile, read_file};
 use crate::texture::image::{Encoding, Image, ImageError, srgb_to_linear};

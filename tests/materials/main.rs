@@ -42,7 +42,11 @@ fn point(index: u32) -> Point<f32> {
         tangent,
         bitangent: position.cross(tangent),
         uv: [b, 1.0 - theta / std::f64::consts::PI],
-        uv_per_length: [1.0 / (std::f64::consts::TAU * theta.sin()), 1.0 / std::f64::consts::PI],
+        // Coordinates of every other point are mirrored.
+        uv_per_length: [
+            1.0 / (std::f64::consts::TAU * theta.sin()),
+            if index % 2 == 0 { 1.0 } else { -1.0 } / std::f64::consts::PI,
+        ],
         occlusion: c,
         distance: 0.5 + 9.5 * d,
         footprint: 10f64.powf(-4.0 + 3.0 * e),

@@ -118,8 +118,9 @@ impl Writer {
                 };
                 let strength = literal(*strength);
                 format!(
-                    "fn part_{index}_normal(point: Point) -> vec3f {{\n{}    \
-                         return brdf::bump::scaled({decoded}, {strength});\n}}\n\n",
+                    "fn part_{index}_normal(point: Point) -> vec3f {{\n{}    let decoded = {decoded};\n    \
+                         let upwards = select(decoded.y, -decoded.y, point.uv_per_length.y < 0.0);\n    \
+                         return brdf::bump::scaled(vec3f(decoded.x, upwards, decoded.z), {strength});\n}}\n\n",
                     statements.text
                 )
             }
