@@ -275,10 +275,10 @@ fn unheard(folder: &Path, arguments: &[&str]) -> i32 {
         .args(arguments)
         .current_dir(folder)
         .stdout(Stdio::piped())
-        .stderr(Stdio::null())
+        .stderr(Stdio::piped())
         .spawn()
         .expect("brdf runs");
-    drop(brdf.stdout.take());
+    drop((brdf.stdout.take(), brdf.stderr.take()));
     brdf.wait().expect("it ends").code().expect("no signal")
 }
 
@@ -291,6 +291,9 @@ fn a_reader_that_leaves_does_not_hide_a_violation() {
     assert_eq!(judge(&["materials/gains.toml", "--json"]), 1);
     assert_eq!(judge(&["materials/gains.toml", "--at", "theta=60,phi=0,view"]), 1);
     assert_eq!(judge(&["materials/white.toml"]), 0);
+    // What is complained of on the standard error has no reader either.
+    assert_eq!(judge(&["absent.toml"]), 2);
+    assert_eq!(judge(&["materials", "--param", "albedo=9"]), 2);
     fs::write(at.join("r.json"), check(&at, &["materials/gains.toml", "--json"]).stdout).expect("a file");
     assert_eq!(unheard(&at, &["merge", "r.json"]), 1);
 }
@@ -316,6 +319,15 @@ fn a_place_is_judged_by_the_same_rules() {
         assert_eq!(code(&output), expected, "{profile}: {output:?}");
         assert_eq!(text(&output.stdout).contains("only advises"), expected == 0, "{output:?}");
     }
+    // What is wrong at no one pair is shown by the whole check.
+    let limit = "fn aniso(L: vec3f, V: vec3f, N: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {\n\
+        return 0.1 * (1.0 + alpha_x * L.x * V.x + 0.5 * alpha_y * L.y * V.y);\n}\n";
+    fs::write(at.join("b.wgsl"), limit).expect("a file");
+    let report = json(&check(&at, &["--wgsl", "b.wgsl", "--fn", "aniso", "--json"]));
+    let findings = report["reports"][0]["findings"].as_array().expect("a list");
+    let limit = findings.iter().find(|finding| finding["check"] == "LIMIT").expect("two widths");
+    let again = limit["again"].as_str().expect("a command");
+    assert!(limit["verdict"] == "FAIL" && !again.contains("--at"), "{limit}");
     let again = |function: &str, rest: &[&str]| {
         let report = json(&judge(function, &[rest, &["--json"]].concat()));
         let findings = report["reports"][0]["findings"].as_array().expect("a list").clone();
@@ -348,6 +360,9 @@ fn reports_are_tried_before_anything_is_judged() {
         &[&["check", "materials/slider.brdf", "--no-twins", "--junit", "materials"], &long[..]].concat(),
     ));
     assert!(line.contains("materials"), "{line}");
+    let twice = ["check", "materials/slider.brdf", "--no-twins", "--junit", "one", "--html", "one"];
+    let line = complaint(&brdf(&at, &[&twice[..], &long[..]].concat()));
+    assert!(line.contains("name one file"), "{line}");
     let left = fs::read_dir(&at).expect("a folder").count();
     assert_eq!(left, 1, "neither report is there, nor anything of them");
     let judged = check(&at, &["materials/white.toml", "--junit", "good.xml", "--html", "page.html"]);

@@ -91,6 +91,7 @@ fn what_is_no_shader_is_refused_where_it_is_wrong() {
     fs::write(
         at.join("b.wgsl"),
         "fn constant() -> f32 { return 0.3; }\nfn counted(n: u32) -> f32 { return 0.3; }\n\
+         fn width(roughness: f32) -> f32 { return roughness; }\n\
          fn framed(q: mat3x3f, wo: vec3f) -> f32 { return (q * wo).z; }\n",
     )
     .expect("a file");
@@ -107,6 +108,7 @@ fn what_is_no_shader_is_refused_where_it_is_wrong() {
         (&["--wgsl", "a.wgsl", "--fn", "lambert", "--map", "albedo=sky"], "sky"),
         (&["--wgsl", "b.wgsl", "--fn", "constant"], "`fn constant() -> f32` takes no direction"),
         (&["--wgsl", "b.wgsl", "--fn", "counted"], "`fn counted(n: u32) -> f32` takes no direction"),
+        (&["--wgsl", "b.wgsl", "--fn", "width"], "`fn width(roughness: f32) -> f32` takes no direction"),
         (&["--wgsl", "b.wgsl", "--fn", "framed"], "what `q` of `fn framed(q: mat3x3<f32>, wo: vec3<f32>) -> f32` is"),
     ] {
         let said = complaint(&check(&at, arguments));
@@ -140,6 +142,10 @@ fn materials_are_judged_at_their_worst_point() {
     fs::write(at.join("gains.toml"), file("elek")).expect("a file");
     let fine = report(&check(&at, &["fine.toml", "--json"]));
     assert_eq!((&fine["kind"], &fine["verdict"]), (&"material".into(), &"PASS".into()), "{fine}");
+    assert_eq!(fine["subject"], "capped of fine.toml");
+    let walks = "[[part]]\nstack = { model = \"walk\", layer = [{ interface = { dielectric = { n = 1.5 }, alpha = 0.1 } },\n\
+        { interface = { diffuse = { albedo = 0.5 } } }] }\n";
+    fs::write(at.join("walks.toml"), walks).expect("a file");
     let gains = report(&check(&at, &["gains.toml", "--json"]));
     assert_eq!(gains["verdict"], "FAIL", "{gains}");
     let energy = finding(&gains, "ENERGY");
@@ -154,6 +160,13 @@ fn materials_are_judged_at_their_worst_point() {
     for (arguments, says) in [
         (&["check", "coated_ceramic", "--model", "elek"][..], "--model is about stacks"),
         (&["check", "coated_ceramic", "--param", "gloss=1"], "there are n, alpha, albedo_r"),
+        (&["check", "walks.toml"], "part[0]: the walk's f is a mean of random numbers"),
+        (&["check", "patina", "--range", "v=5..9"], "patina: v is 5"),
+        (&["check", "car_paint", "--range", "footprint=0.001..0.01"], "sees single flakes of spacing"),
+        (
+            &["check", "car_paint", "--param", "footprint=0.1", "--range", "spacing=0.1..1"],
+            "sees single flakes of spacing",
+        ),
         (&["check", "no_such"], "neither a built-in stack or material"),
         (&["plan", "patina"], "patina is a material that varies over a surface"),
         (&["plan", "fine.toml"], "fine.toml is a material that varies over a surface"),

@@ -601,6 +601,7 @@ mod on_a_gpu {
         add("plane, iron", Shape::Plane, stack("iron"), studio());
         add("cube, paint", Shape::Mesh(mesh("gpu", CUBE).unwrap()), stack("open_pbr_carpaint"), sky());
         add("sphere, rust", Shape::Sphere, built_in("rusty_iron"), studio());
+        add("sphere, brushed", Shape::Sphere, built_in("brushed_steel"), studio());
         add("torus, patina", Shape::Torus(Torus::new(0.3).unwrap()), built_in("patina"), studio());
         all
     }

@@ -147,7 +147,7 @@ fn bad_input_is_one_line_and_nothing_is_written() {
     fs::write(folder.join("walks.toml"), walks).expect("a file");
     fs::create_dir(folder.join("folder.png")).expect("a folder");
     for (arguments, said) in [
-        (&["neither.toml"][..], "neither.toml: a stack file has [[layer]]"),
+        (&["neither.toml"][..], "neither.toml: layer: a stack needs at least one layer"),
         (&["walks.toml"], "walks.toml: part[0] is under the model `walk`"),
         (&["copper", "--model", "walk", "--mode", "offline"], "--model walk: "),
         (&["copper", "--distance", "0.5"], "--distance 0.5: the camera is inside the sphere"),

@@ -161,6 +161,12 @@ impl Worst {
     }
 }
 
+/// Whether what stands before the letter of an axis may name a width: nothing does not, nor what names coordinates.
+fn is_width(stem: &str) -> bool {
+    let coordinates = ["tex", "uv", "pos", "coord", "st", "offset"];
+    !stem.is_empty() && !coordinates.iter().any(|word| stem.contains(word))
+}
+
 /// The parameters of a family at which it must be isotropic: two widths that are equal (names that end in x and y, or in u
 /// and v; alone those are coordinates), an anisotropy of 0.
 fn isotropic_limits(parameters: &[Parameter]) -> Vec<Vec<f64>> {
@@ -177,7 +183,7 @@ fn isotropic_limits(parameters: &[Parameter]) -> Vec<Vec<f64>> {
             let other = b.name.to_lowercase();
             let along = [("x", "y"), ("u", "v")]
                 .into_iter()
-                .any(|(x, y)| name.strip_suffix(x).is_some_and(|s| !s.is_empty() && other.strip_suffix(y) == Some(s)));
+                .any(|(x, y)| name.strip_suffix(x).is_some_and(|s| is_width(s) && other.strip_suffix(y) == Some(s)));
             let (low, high) = (a.low.max(b.low), a.high.min(b.high));
             if along && low <= high {
                 for share in [0.25, 0.9] {
@@ -253,6 +259,7 @@ mod tests {
         assert_eq!(named(&["alpha_x", "alpha_y", "tint"]), 2);
         assert_eq!(named(&["nu", "rs", "nv"]), 2);
         assert_eq!(named(&["u", "v"]), 0);
+        assert_eq!(named(&["tex_u", "tex_v"]), 0);
         assert_eq!(named(&["anisotropic"]), 1);
         assert_eq!(named(&["roughness", "f0", "max"]), 0);
     }

@@ -4,6 +4,7 @@ use super::family::{Family, Parameter, Scale};
 use super::subject::{Pair, Subject};
 use crate::frame::Vector;
 use crate::material::built_in;
+use crate::material::finish::{Body, Flakes};
 use crate::material::{Finish, Material, Part, Point};
 use crate::real::Real;
 use core::f64::consts::{PI, TAU};
@@ -13,7 +14,7 @@ use std::sync::{Arc, OnceLock};
 ///
 /// The surface is the unit sphere, `u` running around it and `v` from the lower pole to the upper one; `occlusion` is how hidden the
 /// point is and `distance` how far the viewer. Where the material has flakes, `footprint` is the width of what a pixel covers, from
-/// .05: below, single flakes are mirrors that no cubature resolves. A material that is the same everywhere has none of them.
+/// .05 and of twelve spacings: below, single flakes are mirrors that no cubature resolves. A material that is the same everywhere has none of them.
 ///
 /// f is [`Spot::reflected`](crate::material::Spot::reflected) over the cosine of the light with the *surface's* normal. Reliefs are left
 /// out: parts about normals of their own are no BRDFs of the surface, and each is judged about its own.
@@ -64,7 +65,8 @@ impl MaterialFamily {
         parameters.extend(named.parameters().into_iter().map(|number| Parameter {
             name: number.name.to_owned(),
             low: *number.range.start(),
-            high: *number.range.end(),
+            // As far as the narrowest footprint sees many flakes.
+            high: if number.name == "spacing" { NARROWEST / SPACINGS } else { *number.range.end() },
             default: *number.value,
             scale: Scale::Linear,
         }));
@@ -149,7 +151,11 @@ impl Family for MaterialFamily {
 
     fn subject(&self, values: &[f64]) -> Box<dyn Subject + '_> {
         let point = self.point(values);
-        Box::new(MaterialSubject { family: self, material: self.material(values), point })
+        let material = self.material(values).filter(|material| {
+            let beyond = beyond(&point, material);
+            beyond.map(|fault| self.fault.set(format!("{}: {fault}", self.name))).is_none()
+        });
+        Box::new(MaterialSubject { family: self, material, point })
     }
 }
 
@@ -242,6 +248,10 @@ fn flat(material: &Material) -> Material {
 const DISTANCE: f64 = 5.0;
 /// As many flakes as are seen together when the sphere fills a few pixels.
 const FOOTPRINT: f64 = 0.5;
+/// The narrowest footprint that is judged, and how many spacings of flakes it holds: 144 flakes and more, whose glints merge into lobes that
+/// the cubature follows.
+const NARROWEST: f64 = 0.05;
+const SPACINGS: f64 = 12.0;
 
 /// The parameters of the point that a material may depend on.
 fn of_point(material: &Material) -> Vec<Parameter> {
@@ -260,16 +270,48 @@ fn of_point(material: &Material) -> Vec<Parameter> {
     let mut parameters = vec![share("u", 0.0), share("v", 0.5), share("occlusion", 0.0)];
     parameters.push(magnitude("distance", 0.5, 50.0, DISTANCE));
     if material.parts().iter().any(|part| part.finish.has_flakes()) {
-        parameters.push(magnitude("footprint", 0.05, 2.0, FOOTPRINT));
+        let spacing = material.parts().iter().filter_map(|part| spacing(&part.finish)).fold(0.0, f64::max);
+        let least = NARROWEST.max(SPACINGS * spacing);
+        parameters.push(magnitude("footprint", least, 40.0 * least, FOOTPRINT.max(least)));
     }
     parameters
 }
 
+/// What is wrong with a point, if it is none of the surface or is seen too closely.
+fn beyond(point: &Point<f64>, material: &Material) -> Option<String> {
+    let shares = [("u", point.uv[0]), ("v", point.uv[1]), ("occlusion", point.occlusion)];
+    if let Some((name, value)) = shares.iter().find(|(_, value)| !(0.0..=1.0).contains(value)) {
+        return Some(format!("{name} is {value:?}, allowed is 0 to 1"));
+    }
+    let lengths = [("distance", point.distance), ("footprint", point.footprint)];
+    if let Some((name, value)) = lengths.iter().find(|(_, value)| !(1e-6..=1e6).contains(value)) {
+        return Some(format!("{name} is {value:?}, allowed is 1e-6 to 1e6"));
+    }
+    let spacing = material.parts().iter().filter_map(|part| spacing(&part.finish)).fold(0.0, f64::max);
+    (point.footprint < SPACINGS * spacing).then(|| {
+        let footprint = point.footprint;
+        format!(
+            "a footprint of {footprint} sees single flakes of spacing {spacing}, mirrors that no integral resolves: it is judged \
+             from {} on",
+            SPACINGS * spacing
+        )
+    })
+}
+
+/// The largest spacing of the flakes of a finish.
+fn spacing(finish: &Finish) -> Option<f64> {
+    let Body::Layers(layers) = &finish.body else { return None };
+    let each = layers.coats.iter().filter_map(|coat| match coat.flakes {
+        Some(Flakes::Glints { spacing, .. }) => Some(spacing),
+        _ => None,
+    });
+    each.reduce(f64::max)
+}
+
 /// A point of the unit sphere.
 fn point(u: f64, v: f64) -> Point<f64> {
-    // A little off the poles, where u means nothing.
-    let v = v.clamp(1e-3, 1.0 - 1e-3);
-    let (theta, phi) = (PI * (1.0 - v), TAU * u);
+    // The frame stands a little off the poles, where u means nothing; the coordinates are those asked for.
+    let (theta, phi) = (PI * (1.0 - v).clamp(1e-3, 1.0 - 1e-3), TAU * u);
     let position = Vector::<f64>::from_angles(theta, phi);
     let tangent = Vector::new(-phi.sin(), phi.cos(), 0.0);
     Point {

@@ -223,12 +223,18 @@ impl Display for Coverage {
             let ranges: Vec<String> = ranges.collect();
             writeln!(f, "  searched {}: {seen} members, {checked} of them in full", ranges.join(", "))?;
         }
-        writeln!(
+        let bound = |looks: usize| 3.0 / looks.max(1) as f64;
+        write!(
             f,
             "  {pairs} pairs and {restarts} restarts: where no violation was found, the violating measure under this \
-             distribution is < {:.1e} with 95 % confidence; smaller regions are not excluded",
-            3.0 / (*pairs).max(1) as f64
-        )
+             distribution is < {:.1e} with 95 % confidence",
+            bound(*pairs)
+        )?;
+        if !self.parameters.is_empty() {
+            // Directions are looked at in the members that were checked, parameters once a member.
+            write!(f, " within those members, and that of the parameters < {:.1e}", bound(self.members[0]))?;
+        }
+        writeln!(f, "; smaller regions are not excluded")
     }
 }
 

@@ -112,6 +112,26 @@ mod tests {
         (0..SAMPLES).filter_map(weight).sum::<f64>() / f64::from(SAMPLES)
     }
 
+    /// The documents' Algorithm 1, lines 28–29: one lobe, of the upper layer's F and width, whatever lies beneath.
+    #[test]
+    fn the_documents_reflect_the_environment_from_the_upper_layer_alone() {
+        let layers = || {
+            std::vec![
+                Layer::new(Interface::dielectric(1.5, 0.1)),
+                Layer::new(Interface::conductor([0.2; 3], [4.0; 3], 0.3))
+            ]
+        };
+        for (model, count) in [(Model::Elek, 1), (Model::Conserving, 2)] {
+            let material = Material::from(Stack::new(model, layers()).expect("a stack"));
+            let mut lobes = std::vec::Vec::new();
+            material.at(&Point::<f64>::default()).mirrored(direction(0.6), &mut |mirror| lobes.push(mirror));
+            assert_eq!(lobes.len(), count, "{model:?}");
+            let reflectance = crate::fresnel::dielectric(0.6, 1.5).reflectance;
+            let upper = lobes.first().expect("a lobe");
+            assert!((upper.weight[0] - reflectance).abs() < 1e-15 && upper.alpha == 0.1 && !upper.diffuse, "{upper:?}");
+        }
+    }
+
     /// Under `coupled` and `walk` the light that comes back to the base is in both. Without it, a white furnace shows half.
     #[test]
     fn coats_send_light_back_to_a_base() {

@@ -185,8 +185,8 @@ impl<'a, R: Real> Spot<'a, R> {
     /// What this local model cannot do, and [`Spot::reflected`] does: a lobe is round, its width is that of a mean at the normal, and its weight F at
     /// the mirror direction. So the lobe of a brushed metal is blurred by √(α_x·α_y) all around and does not stretch across the grooves; rough lobes
     /// keep their place and width at grazing; flakes do not sparkle; an Oren–Nayar base counts as Lambert's; `weidlich_wilkie` keeps the
-    /// books of [`Model::Conserving`]; and of the light that bounces between interfaces only that over a diffuse base is there: rough metals
-    /// under coats are as dark as under `conserving`.
+    /// books of [`Model::Conserving`]; and of the light that bounces between interfaces only that over a diffuse base is there.
+    /// A lobe keeps all of F·T², without what facets mask and coats reflect back down: rough metals are too bright, under coats the more.
     pub fn mirrored(&self, wo: Vector<R>, visit: &mut impl FnMut(Mirror<R>)) {
         for part in self.shares() {
             part.mirrored(wo, visit);

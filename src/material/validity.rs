@@ -88,13 +88,13 @@ fn returned(layers: &Layers) -> Result<f64, &'static str> {
             "goes with the model `conserving` alone, the others keep more light than there is already: leave one of them out",
         );
     }
-    let alone = "needs a diffuse base under one clear dielectric of a constant index, at least 1";
+    let alone = "needs a diffuse base under one clear dielectric of a constant index from 1 to 3";
     let [coat, base] = layers.coats.as_slice() else { return Err(alone) };
     let (Boundary::Microfacet { n, k, .. }, Boundary::Diffuse { sigma, .. }) = (&coat.boundary, &base.boundary) else {
         return Err(alone);
     };
     let (Some([n, g, b]), Some([0.0, 0.0, 0.0])) = (n.constant(), k.constant()) else { return Err(alone) };
-    if n != g || n != b || n < 1.0 || !is_clear(coat) {
+    if n != g || n != b || !(1.0..=3.0).contains(&n) || !is_clear(coat) {
         return Err(alone);
     }
     if sigma.constant() != Some(0.0) {
@@ -106,8 +106,8 @@ fn returned(layers: &Layers) -> Result<f64, &'static str> {
 }
 
 /// What of the returned light a coat keeps. r_i and T are those of a smooth coat, 1 − F at its own normal; a rough one reflects up to .0023 of T
-/// more than F (its single scattering at 45°, α = .2, n = 1.5; less for any other α ≤ 1 and n from 1.2 to 3), which a white base would send out
-/// beyond what arrives.
+/// more than F (its single scattering at 45°, α = .2, n = 1.5; less for any other α ≤ 1 and n to 3), which a white base would send out beyond what
+/// arrives. From n = 6 on it is more than that.
 const KEPT: f64 = 0.0025;
 
 fn scalar_problem(scalar: &Scalar, images: &[Image]) -> Option<String> {

@@ -221,7 +221,7 @@ impl Environment {
 }
 
 /// What the header of a Radiance file says that its numbers are multiplied by, if it says so.
-fn multiplied(path: &Path) -> Result<Option<[f32; 3]>, String> {
+pub(super) fn multiplied(path: &Path) -> Result<Option<[f32; 3]>, String> {
     let file = BufReader::new(File::open(path).map_err(|error| error.to_string())?);
     let metadata = HdrDecoder::new(file).map_err(|error| error.to_string())?.metadata();
     if metadata.exposure.is_none() && metadata.color_correction.is_none() {

@@ -87,6 +87,8 @@ impl Film {
     pub fn write(&self, path: &Path, exposure: f64) -> Result<usize, String> {
         let place = path.display();
         let format = format(path)?;
+        // A link stays one: the file that it leads to is replaced.
+        let path = &std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         let partial = partial_name(path);
         let written = File::create(&partial).map_err(|error| error.to_string());
         let written = written.and_then(|file| self.write_into(file, format, exposure));

@@ -7,13 +7,18 @@
 //! Source: Wavefront Technologies 1992, "Advanced Visualizer Manual", appendix B1.
 
 use super::mesh::Corner;
+use std::borrow::Cow;
 
 /// The triangles of a file's text.
 ///
 /// # Errors
 /// The line and what is wrong with it: a coordinate that is missing, no number, infinite or not a number; a face of fewer than three corners; an
-/// index of something that is not there. Of a file without faces the first line that no OBJ file has.
+/// index of something that is not there; a keyword in capitals. Of a file without faces the first line that no OBJ file has.
 pub(super) fn triangles(text: &str) -> Result<Vec<[Corner; 3]>, String> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    // Lines of old Macs end with a carriage return alone.
+    let old = text.contains('\r') && !text.contains('\n');
+    let text = if old { Cow::Owned(text.replace('\r', "\n")) } else { Cow::Borrowed(text) };
     let mut file = File::default();
     let mut foreign = None;
     let mut lines = text.lines().enumerate();
@@ -67,6 +72,10 @@ impl File {
             | "step" | "cstype" | "curv" | "curv2" | "surf" | "parm" | "trim" | "hole" | "scrv" | "sp" | "end"
             | "con" | "bevel" | "c_interp" | "d_interp" | "lod" | "shadow_obj" | "trace_obj" | "ctech" | "stech"
             | "call" | "csh" => {}
+            // Passed over, it would move every index that counts from the start.
+            "V" | "VN" | "VT" | "F" | "Vn" | "Vt" => {
+                return Err(format!("`{keyword}` is written in small letters in an OBJ file"));
+            }
             _ => return Ok(false),
         }
         Ok(true)
@@ -153,6 +162,12 @@ mod tests {
         let text = format!("# a square\r\no it\n{SQUARE}f 1 2 \\\n  3 \\\n4 # all\ns off\n");
         assert_eq!(triangles(&text).expect("valid").len(), 2);
         assert_eq!(triangles("v 0 0 0 \\").expect("valid").len(), 0);
+        // A byte-order mark is no part of the first keyword.
+        assert_eq!(triangles(&format!("\u{feff}{SQUARE}f 1 2 3\n")), triangles(&format!("{SQUARE}f 1 2 3\n")));
+        assert_eq!(
+            triangles(&format!("{SQUARE}f 1 2 3\n").replace('\n', "\r")),
+            triangles(&format!("{SQUARE}f 1 2 3\n"))
+        );
     }
 
     #[test]
@@ -168,6 +183,7 @@ mod tests {
             (format!("{SQUARE}f 1 2\n"), "line 5: a face has three corners at least, not 2"),
             (format!("{SQUARE}f 1 2 x\n"), "line 5: `x` is no whole number: the index of a vertex"),
             (format!("{SQUARE}f 1 2 /3\n"), "line 5: `/3` names no vertex"),
+            (format!("{SQUARE}V 2 2 2\nf 1 2 3\n"), "line 5: `V` is written in small letters in an OBJ file"),
             ("v 0 0\n".to_owned(), "line 1: a coordinate is missing; there are x y z"),
             ("v 0 0 1e999\n".to_owned(), "line 1: `1e999` is not finite"),
             ("\nvt 0 a\n".to_owned(), "line 2: `a` is no number"),

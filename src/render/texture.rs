@@ -7,10 +7,14 @@
 //! stands upright where v is up, as it does in Blender. Green of a normal map is a slope towards growing v: +Y up, OpenGL's convention. A map
 //! with green downwards (DirectX's) must have its green inverted.
 
+use super::environment::multiplied;
 use crate::material::description::{MaterialFile, read_file};
 use crate::texture::image::{Encoding, Image, ImageError, srgb_to_linear};
 use image::DynamicImage;
 use std::path::Path;
+
+/// What a decoder may take: [`MOST_TEXELS`](crate::texture::image::MOST_TEXELS) of four channels in floating point.
+const MOST_BYTES: u64 = 4 << 30;
 
 /// Reads an image, the lowest row of the picture first: v = 0 is its lower edge.
 ///
@@ -19,8 +23,24 @@ use std::path::Path;
 pub fn read_image(path: &Path, encoding: Encoding) -> Result<Image, String> {
     let place = |error: String| format!("{}: {error}", path.display());
     let reader = image::ImageReader::open(path).map_err(|error| place(error.to_string()))?;
-    let reader = reader.with_guessed_format().map_err(|error| place(error.to_string()))?;
-    let picture = reader.decode().map_err(|error| place(error.to_string()))?.flipv();
+    let mut reader = reader.with_guessed_format().map_err(|error| place(error.to_string()))?;
+    let mut limits = image::Limits::default();
+    limits.max_alloc = Some(MOST_BYTES);
+    reader.limits(limits);
+    let is_radiance = reader.format() == Some(image::ImageFormat::Hdr);
+    let mut picture = reader.decode().map_err(|error| match error {
+        image::ImageError::Limits(_) => {
+            place(format!("its texels take more than {} GiB: scale it down", MOST_BYTES >> 30))
+        }
+        error => place(error.to_string()),
+    })?;
+    if is_radiance
+        && let DynamicImage::ImageRgb32F(picture) = &mut picture
+        && let Some(scale) = multiplied(path).map_err(place)?
+    {
+        picture.pixels_mut().for_each(|pixel| pixel.0 = [0, 1, 2].map(|c: usize| pixel.0[c] / scale[c]));
+    }
+    let picture = picture.flipv();
     let (width, height) = (picture.width(), picture.height());
     let channels = u32::from(picture.color().channel_count());
     let bytes = |bytes: &[u8]| Image::from_bytes(width, height, channels, bytes, encoding);

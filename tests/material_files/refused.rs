@@ -182,6 +182,10 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
             "line 4, part[1].returns: needs a diffuse base under one clear dielectric",
         ),
         (
+            coated("returns = true", clear, "albedo = 1").replace("n = 1.77", "n = 3.5"),
+            "line 4, part[1].returns: needs a diffuse base under one clear dielectric of a constant index from 1 to 3",
+        ),
+        (
             second(&format!("returns = true\nlayer = [{{ {diffuse} }}]")),
             "line 4, part[1].returns: needs a diffuse base",
         ),

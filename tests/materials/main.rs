@@ -45,7 +45,7 @@ fn point(index: u32) -> Point<f32> {
         // Coordinates of every other point are mirrored.
         uv_per_length: [
             1.0 / (std::f64::consts::TAU * theta.sin()),
-            if index % 2 == 0 { 1.0 } else { -1.0 } / std::f64::consts::PI,
+            if index.is_multiple_of(2) { 1.0 } else { -1.0 } / std::f64::consts::PI,
         ],
         occlusion: c,
         distance: 0.5 + 9.5 * d,

@@ -5,6 +5,7 @@
 
 use crate::failure::Failure;
 use crate::material::{self, AnyStack, Change};
+use crate::output::complain;
 use crate::term::{self, Field, Kind, Results, Term, read_fields};
 use brdf::Vector;
 use brdf::gpu::{Gpu, GpuError, StackBuffers};
@@ -86,7 +87,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
             Ok(question) => questions.push((objects.len(), question)),
             Err(problem) => {
                 bad_lines += 1;
-                eprintln!("brdf: line {}: {problem}", index + 1);
+                complain(&format_args!("line {}: {problem}", index + 1));
                 object.insert("error".to_owned(), problem.into());
             }
         }

@@ -60,11 +60,11 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
         writeln!(out, "  {:32} {}", term.name, fields.join(", "))?;
     }
     writeln!(out, "  {:32} stack (a name, a file or inline), model, wi, wo", "stack")?;
-    writeln!(out, "\nMATERIALS (brdf check, brdf eval)")?;
+    writeln!(out, "\nSTACKS (brdf check, eval, plan, render, shader)")?;
     for material in stack::built_in() {
         writeln!(out, "  {:32} {}", material.name, material.about)?;
     }
-    writeln!(out, "\nMATERIALS THAT VARY (brdf render, brdf bench materials)")?;
+    writeln!(out, "\nMATERIALS, which vary over a surface (brdf check, render, bench materials)")?;
     for named in &mut built_in::all() {
         let names: Vec<_> = named.parameters().iter().map(|parameter| parameter.name).collect();
         writeln!(out, "  {:32} {}; --set {}", named.name, named.about, names.join(", "))?;

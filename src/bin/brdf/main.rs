@@ -68,7 +68,7 @@ fn main() -> ExitCode {
         Ok(code) => code,
         Err(failure) => {
             if !failure.is_broken_pipe() {
-                eprintln!("brdf: {failure}");
+                output::complain(&failure);
             }
             failure.exit_code()
         }

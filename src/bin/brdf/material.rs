@@ -3,7 +3,8 @@
 use brdf::layered::description::{Description, DescriptionError, Node, Value};
 use brdf::layered::{Model, Stack, Widths};
 use brdf::material::description::MaterialFile;
-use brdf::material::{built_in, stack};
+use brdf::material::finish::Body;
+use brdf::material::{Part, built_in, stack};
 use brdf::render::texture;
 use brdf::{Real, Vector, walk};
 use std::path::Path;
@@ -127,6 +128,12 @@ pub(crate) enum Varying {
 /// Whether a stack or a material of this name is built in.
 pub(crate) fn is_built_in(name: &str) -> bool {
     stack::by_name(name).is_some() || built_in::by_name(name).is_some()
+}
+
+/// The first part of a material whose stack is under the model `walk`.
+pub(crate) fn walking_part(material: &brdf::material::Material) -> Option<usize> {
+    let walks = |part: &Part| matches!(&part.finish.body, Body::Whole(stack) if stack.model() == Model::Walk);
+    material.parts().iter().position(walks)
 }
 
 /// The material that a name or a file stands for; nothing where it is a stack, or neither.

@@ -43,6 +43,11 @@ impl<W: Write> Write for Verdicts<W> {
     }
 }
 
+/// Says on the standard error what is wrong. Where nobody reads that there is nobody to tell, and the exit code says it too.
+pub(crate) fn complain(what: &dyn std::fmt::Display) {
+    let _ = writeln!(io::stderr(), "brdf: {what}");
+}
+
 /// A file to be written when what goes into it is there: tried at once, so that nobody waits for what cannot be kept.
 #[derive(Debug)]
 pub(crate) struct Destination {
@@ -70,7 +75,7 @@ impl Destination {
         let written = files.iter().try_for_each(|(destination, text)| destination.prepare(text));
         let named = written.and_then(|()| {
             files.iter().filter(|(destination, _)| !destination.is_stream()).try_for_each(|(destination, _)| {
-                // A link stays one: the file that it leads to is replaced.
+                // A link to a file stays one: the file is replaced.
                 let end = std::fs::canonicalize(&destination.path).unwrap_or_else(|_| destination.path.clone());
                 std::fs::rename(destination.partial(), end).map_err(|error| destination.failure(&error))
             })

@@ -2,11 +2,10 @@
 
 use crate::failure::Failure;
 use crate::gallery;
-use crate::material::{Change, Varying, load, model, varying};
+use crate::material::{Change, Varying, load, model, varying, walking_part};
 use brdf::gpu::Gpu;
 use brdf::layered::Model;
-use brdf::material::finish::Body;
-use brdf::material::{Material, Part, built_in};
+use brdf::material::{Material, built_in};
 use brdf::render::camera::{Camera, Orbit};
 use brdf::render::environment::Environment;
 use brdf::render::light::Light;
@@ -187,7 +186,10 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
             write!(out, "; {clipped} pixels are brighter than 1 and clipped: --exposure lowers them")?;
         }
         if not_finite > 0 {
-            write!(out, "; {not_finite} pixels are infinite or not a number: a light is too bright or too near")?;
+            write!(
+                out,
+                "; {not_finite} pixels are infinite or not a number: a light or the environment is too bright, or a light too near"
+            )?;
         }
         writeln!(out)?;
     }
@@ -281,8 +283,7 @@ fn environment(name: &str) -> Result<Environment, String> {
 
 /// Refuses what takes a random walk for every value: minutes for a picture of 16×16.
 fn without_walk(name: &str, material: Material) -> Result<Material, Failure> {
-    let walks = |part: &Part| matches!(&part.finish.body, Body::Whole(stack) if stack.model() == Model::Walk);
-    match material.parts().iter().position(walks) {
+    match walking_part(&material) {
         Some(part) => Err(format!(
             "{name}: part[{part}] is under the model `walk`, a random walk for every value, which takes a picture hours: \
              choose `coupled`, and compare single values by `brdf eval`"

@@ -198,7 +198,8 @@ fn direction(name: &str) -> Option<Direction> {
 }
 
 /// Whether a vector may have this name: a width or a slider in three components is something else.
-fn is_colour(name: &str) -> bool {
+pub(super) fn is_colour(name: &str) -> bool {
+    let name = &*plain(name);
     let parts = [
         "f0",
         "r0",

@@ -1,6 +1,6 @@
 //! The values that a function waits for, one a scalar or vector, and the expression that each one gets.
 
-use super::roles::{Direction, Known, ROLES, Role, known, role};
+use super::roles::{Direction, Known, ROLES, Role, is_colour, known, role};
 use super::{Options, Returns};
 use crate::check::family::{Parameter, Scale};
 use crate::shader::source::{Compiled, Language};
@@ -165,10 +165,16 @@ pub(super) fn map(compiled: &Compiled<'_>, options: &Options) -> Result<Mapping,
             if open.len() == 1 { "is" } else { "are" },
         ));
     }
-    if !mapping.slots.iter().any(|slot| !matches!(slot.source, Source::Own | Source::Frame)) {
+    // A reflectance alone is Lambert's; what a caller names is meant.
+    let is_brdf = |slot: &Slot| match slot.source {
+        Source::Geometry(_) => true,
+        Source::Searched(_) | Source::Numbers(_) => is_colour(&slot.name) || is_named(options, &slot.path),
+        Source::Own | Source::Frame => false,
+    };
+    if !mapping.slots.iter().any(is_brdf) {
         return Err(format!(
-            "`{}` takes no direction, and nothing that is searched or set: it is a number, no BRDF. Is another function \
-             meant? What it reads may be given with --map NAME=ROLE, --param NAME=VALUE or --range NAME=LO..HI[:log]",
+            "`{}` takes no direction and no reflectance: it is a number, no BRDF. Is another function meant? What it reads \
+             may be given with --map NAME=ROLE, --param NAME=VALUE or --range NAME=LO..HI[:log]",
             entry.signature(compiled.language()),
         ));
     }

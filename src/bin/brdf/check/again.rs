@@ -2,7 +2,7 @@
 
 use super::Options;
 use super::subjects::Source;
-use brdf::check::{self, Finding, Place};
+use brdf::check::{self, Check, Finding, Place};
 
 /// The command line that evaluates the place of a finding; where it has none, the one that repeats the check.
 pub(super) fn command(options: &Options, source: &Source, finding: &Finding) -> String {
@@ -10,8 +10,10 @@ pub(super) fn command(options: &Options, source: &Source, finding: &Finding) -> 
     words.extend(options.reading.arguments(source));
     words.extend(["--seed".to_owned(), options.seed.to_string()]);
     let parameters: String = finding.parameters.iter().map(|(name, value)| format!(",{name}={value}")).collect();
-    words.extend(settings(options, finding.place == Place::Everywhere));
-    match finding.place {
+    // That f does not change when both directions turn is seen at no one pair.
+    let place = if finding.check == Check::Limit { Place::Everywhere } else { finding.place };
+    words.extend(settings(options, place == Place::Everywhere));
+    match place {
         Place::Everywhere => {}
         Place::Marginal { theta, phi, fixed } => {
             words.extend(["--at".to_owned(), format!("theta={theta},phi={phi},{}{parameters}", fixed.name())]);
@@ -36,6 +38,9 @@ fn settings(options: &Options, whole: bool) -> Vec<String> {
     let mut add = |option: &str, value: String| words.extend([option.to_owned(), value]);
     if let Some(profile) = options.profile {
         add("--profile", profile.name().to_owned());
+    }
+    if let Some(adapter) = &options.adapter {
+        add("--adapter", adapter.clone());
     }
     if options.tolerance != check::TOLERANCE {
         add("--tolerance", options.tolerance.to_string());

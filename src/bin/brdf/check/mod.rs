@@ -11,7 +11,7 @@ pub(crate) mod terminal;
 mod twins;
 
 use crate::failure::Failure;
-use crate::output::{Destination, Verdicts};
+use crate::output::{Destination, Verdicts, complain};
 use brdf::check::output::{Entry, Outcome, Run, Shard};
 use brdf::check::{self, Finding, Report, Verdict};
 use clap::Args;
@@ -102,6 +102,9 @@ pub(crate) struct Files {
 impl Files {
     /// Tries whether they can be written, before anything is judged.
     pub(crate) fn open(&self) -> Result<Reports, Failure> {
+        if self.junit.is_some() && self.junit == self.html {
+            return Err("--junit and --html name one file: give two".to_owned().into());
+        }
         let tried = |path: &Option<PathBuf>| path.as_deref().map(Destination::new).transpose();
         Ok(Reports { junit: tried(&self.junit)?, html: tried(&self.html)? })
     }
@@ -199,7 +202,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
     // A terminal shows both outputs, and the table has said it there.
     if options.json || !io::stdout().is_terminal() {
         for (_, reason) in run.refused() {
-            eprintln!("brdf: {reason}");
+            complain(&reason);
         }
     }
     Ok(ExitCode::from(run.exit_code()))
@@ -237,7 +240,8 @@ fn judge(
 /// The parameters of the member that the worst finding is about.
 fn worst_member(loaded: &Loaded, report: &Report) -> Vec<f64> {
     let rank = |finding: &&Finding| (finding.binding, finding.verdict, !finding.parameters.is_empty());
-    let worst = report.findings.iter().filter(|finding| finding.verdict != Verdict::Pass).max_by_key(rank);
+    // Of equals the first: energy is what the first picture shows.
+    let worst = report.findings.iter().rev().filter(|finding| finding.verdict != Verdict::Pass).max_by_key(rank);
     loaded.judged.values(worst.map_or(&[][..], |finding| &finding.parameters))
 }
 

@@ -29,9 +29,9 @@ impl At {
         let wrong = |what: &str| {
             format!("{what}; want theta=80,phi=0,light (or view), or wi=X:Y:Z,wo=X:Y:Z; and NAME=VALUE of parameters")
         };
-        let (mut theta, mut phi, mut fixed) = (None, 0.0, None);
+        let (mut theta, mut phi, mut fixed) = (None, None, None);
         let [mut wi, mut wo] = [None, None];
-        let mut parameters = Vec::new();
+        let mut parameters: Vec<(String, f64)> = Vec::new();
         for word in text.split(',') {
             let number = |value: &str| {
                 let number = value.parse::<f64>().ok().filter(|x| x.is_finite());
@@ -40,17 +40,27 @@ impl At {
             let vector = |value: &str| {
                 let parts: Vec<f64> = value.split(':').map(number).collect::<Result<_, _>>()?;
                 match parts[..] {
-                    [x, y, z] => Ok(Some(Vector::new(x, y, z))),
+                    [x, y, z] => {
+                        let length = f64::hypot(f64::hypot(x, y), z);
+                        // What was printed is one to the last digit; what was typed may have been cut.
+                        if !(0.99..=1.01).contains(&length) {
+                            return Err(wrong(&format!("`{word}` has the length {length}, a direction has 1")));
+                        }
+                        let scale = if (length - 1.0).abs() < 1e-9 { 1.0 } else { 1.0 / length };
+                        Ok(Some(Vector::new(x, y, z) * scale))
+                    }
                     _ => Err(wrong(&format!("`{word}` has {} components", parts.len()))),
                 }
             };
             match word.split_once('=') {
-                Some(("theta", value)) => {
-                    theta = Some(number(value)?);
+                // The place comes first: what it has already, or has no use for, is a parameter of that name.
+                Some(("theta", value)) if theta.is_none() && wi.is_none() => theta = Some(number(value)?),
+                Some(("phi", value)) if phi.is_none() && wi.is_none() => phi = Some(number(value)?),
+                Some(("wi", value)) if wi.is_none() && theta.is_none() => wi = vector(value)?,
+                Some(("wo", value)) if wo.is_none() && theta.is_none() => wo = vector(value)?,
+                Some((name, _)) if parameters.iter().any(|(known, _)| known == name) => {
+                    return Err(wrong(&format!("`{name}` is given twice")));
                 }
-                Some(("phi", value)) => phi = number(value)?,
-                Some(("wi", value)) => wi = vector(value)?,
-                Some(("wo", value)) => wo = vector(value)?,
                 Some((name, value)) if !name.is_empty() => parameters.push((name.to_owned(), number(value)?)),
                 None if word == "light" => fixed = Some(Fixed::Light),
                 None if word == "view" => fixed = Some(Fixed::View),
@@ -59,7 +69,7 @@ impl At {
         }
         let directions = match (theta, fixed, wi, wo) {
             (Some(theta), Some(fixed), None, None) if (0.0..90.0).contains(&theta) => {
-                Directions::Marginal { theta, phi, fixed }
+                Directions::Marginal { theta, phi: phi.unwrap_or(0.0), fixed }
             }
             (Some(_), Some(_), None, None) => return Err(wrong("theta lies in [0, 90)")),
             (None, None, Some(wi), Some(wo)) => Directions::Pair { wi, wo },
@@ -192,8 +202,17 @@ mod tests {
         let (wi, wo) = (Vector::new(0.6, -0.0, 0.8), Vector::new(0.0, 1e-7, 1.0));
         let pair = At::parse("wi=0.6:-0:0.8,wo=0:1e-7:1").map(|at| at.directions);
         assert_eq!(pair, Ok(Directions::Pair { wi, wo }));
+        // The names of a place are free again behind it.
+        let parameters = vec![("theta".to_owned(), 9.0), ("phi".to_owned(), 2.0), ("wi".to_owned(), 1.0)];
+        let named = At::parse("theta=80,phi=0,light,theta=9,phi=2,wi=1").map(|at| at.parameters);
+        assert_eq!(named, Ok(parameters.clone()));
+        let named = At::parse("wi=0:0:1,wo=0:0:1,theta=9,phi=2,wi=1").map(|at| at.parameters);
+        assert_eq!(named, Ok(parameters));
         for bad in [
             "",
+            "wi=0:0:0,wo=0:0:1",
+            "wi=0:0:1e308,wo=0:0:1",
+            "theta=0,view,a=1,a=2",
             "theta=90,light",
             "theta=x,light",
             "theta=3",

@@ -253,11 +253,18 @@ impl Reading {
 
     /// A stack or a material, by name or from a file of TOML.
     fn load_material(&self, name: &str) -> Result<Loaded, String> {
+        let mut notes = Vec::new();
         let family = match material::varying(name)? {
             None => return self.load_stack(name),
             Some(Varying::BuiltIn) => MaterialFamily::built_in(name).ok_or_else(|| format!("{name} cannot be made"))?,
             Some(Varying::File(file)) => {
-                MaterialFamily::new(file.name.unwrap_or_else(|| name.to_owned()), &file.material)
+                if let Some(part) = material::walking_part(&file.material) {
+                    return Err(format!("{name}: part[{part}]: {NOISE}; choose `coupled`"));
+                }
+                let twin = brdf::wgsl::material(&file.material);
+                notes.extend(twin.err().map(|error| format!("no adapter runs it: {error}")));
+                let called = file.name.map(|called| format!("{called} of {name}"));
+                MaterialFamily::new(called.unwrap_or_else(|| name.to_owned()), &file.material)
             }
         };
         let option = self.model.map(|_| "--model").or(self.widths.map(|_| "--widths"));
@@ -271,6 +278,7 @@ impl Reading {
         Ok(Loaded {
             fault: Some(Box::new(move || faulty.error().map(str::to_owned))),
             gpu: Some(Box::new(move |gpu, values, pairs| family.evaluate_on(gpu, &whole.whole(values), pairs))),
+            notes,
             ..Loaded::new(Judged::Family(Box::new(Shared(pinned))), "material")
         })
     }
@@ -278,11 +286,7 @@ impl Reading {
     fn load_stack(&self, name: &str) -> Result<Loaded, String> {
         let material = material::load(name, self.change())?;
         if material.stack.model() == Model::Walk {
-            return Err(format!(
-                "{}: the walk's f is a mean of random numbers, whose noise would be judged in place of the stack; use \
-                 --model coupled, or `brdf bench layered`",
-                material.name
-            ));
+            return Err(format!("{}: {NOISE}; use --model coupled, or `brdf bench layered`", material.name));
         }
         self.without_parameters(name)?;
         Ok(from_stack(material))
@@ -296,6 +300,9 @@ impl Reading {
         }
     }
 }
+
+/// Why the walk is not judged.
+const NOISE: &str = "the walk's f is a mean of random numbers, whose noise would be judged in place of the layers";
 
 /// Adds the files of a folder, its own folders included.
 fn walk(folder: &Path, sources: &mut Vec<Source>) -> Result<(), Failure> {

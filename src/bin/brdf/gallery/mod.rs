@@ -30,13 +30,13 @@ const GAP: u32 = 4;
 
 /// Writes every figure, or those whose name contains `only`, as PNG into a folder.
 pub(crate) fn run(folder: &Path, only: Option<&str>, as_json: bool) -> Result<ExitCode, Failure> {
-    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let chosen: Vec<&Figure> =
         FIGURES.iter().filter(|figure| only.is_none_or(|only| figure.name.contains(only))).collect();
     if chosen.is_empty() {
         let names = FIGURES.iter().map(|figure| figure.name).collect::<Vec<_>>().join(", ");
         return Err(format!("no figure is called {}; there are {names}", only.unwrap_or_default()).into());
     }
+    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let mut out = io::stdout().lock();
     let mut reports = Vec::new();
     for figure in chosen {

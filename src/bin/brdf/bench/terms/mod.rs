@@ -93,7 +93,7 @@ impl Adapters {
             return Ok(vec![Gpu::open(wanted.as_deref())?]);
         }
         if found.is_empty() {
-            eprintln!("brdf: SKIPPED the GPU: no usable adapter; see `brdf list`");
+            crate::output::complain(&"SKIPPED the GPU: no usable adapter; see `brdf list`");
         }
         found.iter().map(|info| Ok(Gpu::open(Some(&info.to_string()))?)).collect()
     }
