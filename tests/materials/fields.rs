@@ -87,8 +87,11 @@ fn growth_goes_from_none_to_all() {
             };
             assert!(covers(0.0).iter().all(|cover| *cover == 0.0), "{name}, {softness}");
             assert!(covers(1.0).iter().all(|cover| *cover == 1.0), "{name}, {softness}");
-            let half = covers(0.5).iter().sum::<f64>() / 3000.0;
-            assert!((0.2..0.8).contains(&half), "{name}, {softness}: {half}");
+            // Of what lies open half the growth covers half, as noise is even about its middle; hidden places are earlier. Some 50 cells of noise
+            // on the sphere leave a standard deviation of .07: three of them.
+            let open: Vec<f64> = covers(0.5).into_iter().step_by(3).collect();
+            let half = open.iter().sum::<f64>() / open.len() as f64;
+            assert!((half - 0.5).abs() < 0.21, "{name}, {softness}: {half}");
         }
     }
 }

@@ -165,13 +165,13 @@ pub(super) fn map(compiled: &Compiled<'_>, options: &Options) -> Result<Mapping,
             if open.len() == 1 { "is" } else { "are" },
         ));
     }
-    // A reflectance alone is Lambert's; what a caller names is meant.
+    // A reflectance alone is Lambert's, and nothing at all its 1/π; what a caller names is meant.
     let is_brdf = |slot: &Slot| match slot.source {
         Source::Geometry(_) => true,
         Source::Searched(_) | Source::Numbers(_) => is_colour(&slot.name) || is_named(options, &slot.path),
         Source::Own | Source::Frame => false,
     };
-    if !mapping.slots.iter().any(is_brdf) {
+    if !entry.parameters.is_empty() && !mapping.slots.iter().any(is_brdf) {
         return Err(format!(
             "`{}` takes no direction and no reflectance: it is a number, no BRDF. Is another function meant? What it reads \
              may be given with --map NAME=ROLE, --param NAME=VALUE or --range NAME=LO..HI[:log]",
