@@ -163,8 +163,9 @@ impl Worst {
 
 /// Whether what stands before the letter of an axis may name a width: nothing does not, nor what names coordinates.
 fn is_width(stem: &str) -> bool {
-    let coordinates = ["tex", "uv", "pos", "coord", "st", "offset"];
-    !stem.is_empty() && !coordinates.iter().any(|word| stem.contains(word))
+    // Whole words: `stretch_x` is a width, though it has an `st` in it.
+    let coordinates = ["tex", "texcoord", "coord", "coords", "uv", "st", "pos", "position", "offset"];
+    !stem.is_empty() && !stem.split('_').any(|word| coordinates.contains(&word))
 }
 
 /// The parameters of a family at which it must be isotropic: two widths that are equal (names that end in x and y, or in u
@@ -260,6 +261,7 @@ mod tests {
         assert_eq!(named(&["nu", "rs", "nv"]), 2);
         assert_eq!(named(&["u", "v"]), 0);
         assert_eq!(named(&["tex_u", "tex_v"]), 0);
+        assert_eq!(named(&["stretch_x", "stretch_y"]), 2);
         assert_eq!(named(&["anisotropic"]), 1);
         assert_eq!(named(&["roughness", "f0", "max"]), 0);
     }
