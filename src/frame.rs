@@ -73,6 +73,13 @@ impl<R: Real> Vector<R> {
         self * inverse
     }
 
+    /// `yes` where the mask is true, else `no`.
+    #[inline(always)]
+    pub(crate) fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
+        let pick = |yes: R, no: R| R::select(mask, yes, no);
+        Vector::new(pick(yes.x, no.x), pick(yes.y, no.y), pick(yes.z, no.z))
+    }
+
     /// The same vector in the numbers that terms compute with ([`Real::Wide`]).
     #[inline(always)]
     pub fn widen(self) -> Vector<R::Wide> {
@@ -131,13 +138,7 @@ impl<R: Real> Frame<R> {
         let across = t - n * n.dot(t);
         let usable = across.length_squared().gt(t.length_squared() * R::EPSILON * R::EPSILON);
         let fallback = Self::from_normal(n);
-        let pick = |a: R, b: R| R::select(usable, a, b);
-        let across = across.normalized();
-        let tangent = Vector::new(
-            pick(across.x, fallback.tangent.x),
-            pick(across.y, fallback.tangent.y),
-            pick(across.z, fallback.tangent.z),
-        );
+        let tangent = Vector::select(usable, across.normalized(), fallback.tangent);
         Frame { tangent, bitangent: n.cross(tangent), normal: n }
     }
 

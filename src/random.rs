@@ -3,6 +3,8 @@
 //! Twin: `wgsl/random.wgsl`. Integers only, so that both languages give the same bits. The n-th number of a sample is
 //! had without the ones before it, so results depend neither on the order nor on the number of threads.
 
+#[cfg(feature = "render")]
+use crate::batch::lanes::{Lanes, WIDEST};
 use crate::real::Real;
 
 /// Four numbers in [0, 1) of one sample, multiples of 2⁻²⁴: exact in f32 and in f64.
@@ -15,10 +17,25 @@ pub fn random<R: Real>(seed: u32, sample: u32, dimension: u32) -> [R; 4] {
     random_words([sample, dimension, seed, 0]).map(|word| R::from_f64(f64::from(word >> 8) * (1.0 / 16_777_216.0)))
 }
 
+/// [`random`] in every lane, each of its own seed and sample: the first of slices that have as many.
+#[cfg(feature = "render")]
+#[inline(always)]
+pub(crate) fn random_in_lanes<L: Lanes>(seeds: &[u32], samples: &[u32], dimension: u32) -> [L; 4] {
+    let (seeds, samples) = (&seeds[..L::COUNT], &samples[..L::COUNT]);
+    let mut numbers = [[0.0f32; WIDEST]; 4];
+    for lane in 0..L::COUNT {
+        let words = random_words([samples[lane], dimension, seeds[lane], 0]);
+        for i in 0..4 {
+            numbers[i][lane] = (words[i] >> 8) as i32 as f32 * (1.0 / 16_777_216.0);
+        }
+    }
+    [L::load(&numbers[0]), L::load(&numbers[1]), L::load(&numbers[2]), L::load(&numbers[3])]
+}
+
 /// Four hashed words of four words: every bit of the result depends on every bit of the argument.
 ///
 /// Source: Jarzynski & Olano 2020, "Hash Functions for GPU Rendering", `pcg4d` of the supplement's listing.
-#[inline]
+#[inline(always)]
 pub fn random_words(words: [u32; 4]) -> [u32; 4] {
     let [mut x, mut y, mut z, mut w] = words.map(|v| v.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
     let round = |x: &mut u32, y: &mut u32, z: &mut u32, w: &mut u32| {

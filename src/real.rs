@@ -8,7 +8,9 @@
 //! supplies [`Real::ln_one_plus`], [`Real::angle`], [`Real::erfcx`], [`Real::exp_product`] and [`Real::unit_circle`] under the
 //! same names.
 
-use crate::series::{COSINE, ERFCX, SINE, angle_polynomial, circle, erfcx_chebyshev, quarter_turns};
+use crate::series::{
+    COSINE, COSINE_SINGLE, ERFCX, SINE, SINE_SINGLE, angle_polynomial, circle, erfcx_chebyshev, quarter_turns,
+};
 use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -431,7 +433,7 @@ impl Real for f32 {
     #[inline(always)]
     fn unit_circle(self) -> (Self, Self) {
         let (quarter, rest) = quarter_turns(f64::from(self));
-        circle(quarter, rest as f32, &SINE.map(|c| c as f32)[..5], &COSINE.map(|c| c as f32)[..6])
+        circle(quarter, rest as f32, &SINE_SINGLE, &COSINE_SINGLE)
     }
 }
 

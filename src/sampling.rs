@@ -177,7 +177,7 @@ pub fn ceiling<R: Real, const C: usize>(layers: &[Layer<R, C>], model: Model, wo
 /// normal. The result may lie below the horizon, where the BRDF is 0. Its density is [`reflect_visible_pdf`].
 ///
 /// Error in f32: ≤ 1e-6 absolute. Source: Heitz & d'Eon 2014, §4; D·cos by Walter et al. 2007, eq. 28–29.
-#[inline]
+#[inline(always)]
 pub fn reflect_visible<R: Real>(wo: Vector<R>, alpha: R, u: [R; 3]) -> Vector<R> {
     // The slopes of m are Gaussian, with tan²θ = −α²·ln(1−u).
     let slope = alpha * (-(-below_one(u[1])).ln_one_plus()).max(R::ZERO).sqrt();
@@ -202,7 +202,7 @@ pub fn reflect_visible<R: Real>(wo: Vector<R>, alpha: R, u: [R; 3]) -> Vector<R>
 /// In plain text: p = D·min(1/(4·NV), hz/|h|²) with h = wi + wo. 0 where a cosine is ≤ 0. Bounded as NV goes to 0.
 ///
 /// Error in f32: [`distribution::beckmann`]'s plus 6 ULP. Source: Heitz & d'Eon 2014, eq. 2 and 8.
-#[inline]
+#[inline(always)]
 pub fn reflect_visible_pdf<R: Real>(wi: Vector<R>, wo: Vector<R>, alpha: R) -> R {
     let h = half_vector(wi, wo);
     let lit = wi.z.gt(R::ZERO) & wo.z.gt(R::ZERO);
@@ -212,7 +212,7 @@ pub fn reflect_visible_pdf<R: Real>(wi: Vector<R>, wo: Vector<R>, alpha: R) -> R
 }
 
 /// A direction drawn from the cosine, with density cos/π; from `u` in [0, 1).
-#[inline]
+#[inline(always)]
 pub fn cosine_hemisphere<R: Real>(u: [R; 2]) -> Vector<R> {
     let square = below_one(u[0]);
     let (radius, (cosine, sine)) = (square.sqrt(), u[1].unit_circle());
@@ -220,7 +220,7 @@ pub fn cosine_hemisphere<R: Real>(u: [R; 2]) -> Vector<R> {
 }
 
 /// A direction drawn uniformly from the hemisphere, with density 1/(2π); from `u` in [0, 1).
-#[inline]
+#[inline(always)]
 pub fn uniform_hemisphere<R: Real>(u: [R; 2]) -> Vector<R> {
     let height = R::ONE - below_one(u[0]);
     let (radius, (cosine, sine)) = (((R::ONE - height) * (R::ONE + height)).sqrt(), u[1].unit_circle());
@@ -254,17 +254,13 @@ pub(crate) fn draw<R: Real, const C: usize>(
         let chosen = pending & rest.lt(share);
         if chosen.any() {
             let within = rest.max(R::ZERO) / R::select(chosen, share, R::ONE);
-            let drawn = lobe.reflect([within, u[1], u[2]]);
-            let pick = |new: R, old: R| R::select(chosen, new, old);
-            wi = Vector::new(pick(drawn.x, wi.x), pick(drawn.y, wi.y), pick(drawn.z, wi.z));
+            wi = Vector::select(chosen, lobe.reflect([within, u[1], u[2]]), wi);
         }
         pending = pending & !chosen;
         rest = rest - share;
     });
     if spreads.any() {
-        let even = cosine_hemisphere([u[1], u[2]]);
-        let pick = |new: R, old: R| R::select(spreads, new, old);
-        wi = Vector::new(pick(even.x, wi.x), pick(even.y, wi.y), pick(even.z, wi.z));
+        wi = Vector::select(spreads, cosine_hemisphere([u[1], u[2]]), wi);
     }
     let lit = wi.z.gt(R::ZERO);
     let pdf = pdf(layers, model, wi, wo);
@@ -348,15 +344,12 @@ impl<R: Real> Lobe<R> {
                 let square = x * x + y * y;
                 let leaves = light.z.gt(R::ZERO) & square.lt(least * least);
                 let z = (R::ONE - square).max(R::ZERO).sqrt();
-                let even = cosine_hemisphere([u[1], u[2]]);
-                let pick = |a: R, b: R| R::select(spreads, a, b);
-                Vector::new(pick(even.x, x), pick(even.y, y), pick(even.z, R::select(leaves, z, R::ZERO)))
+                let facets = Vector::new(x, y, R::select(leaves, z, R::ZERO));
+                Vector::select(spreads, cosine_hemisphere([u[1], u[2]]), facets)
             }
             Shape::Diffuse { uniform } => {
                 let (even, cosine) = (uniform_hemisphere([u[1], u[2]]), cosine_hemisphere([u[1], u[2]]));
-                let evenly = u[0].lt(uniform);
-                let pick = |a: R, b: R| R::select(evenly, a, b);
-                Vector::new(pick(even.x, cosine.x), pick(even.y, cosine.y), pick(even.z, cosine.z))
+                Vector::select(u[0].lt(uniform), even, cosine)
             }
         }
     }

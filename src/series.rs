@@ -198,6 +198,20 @@ pub(crate) const COSINE: [f64; 9] = [
     6.565_963_114_979_472_362_2e-11,
 ];
 
+/// As many of them as f32 takes.
+pub(crate) const SINE_SINGLE: [f32; 5] = rounded(&SINE);
+pub(crate) const COSINE_SINGLE: [f32; 6] = rounded(&COSINE);
+
+const fn rounded<const N: usize>(series: &[f64; 9]) -> [f32; N] {
+    let mut first = [0.0; N];
+    let mut i = 0;
+    while i < N {
+        first[i] = series[i] as f32;
+        i += 1;
+    }
+    first
+}
+
 /// The nearest quarter to a turn in [0, 1], and what is left of the turn in quarters, in [−1/2, 1/2]: both exact.
 #[inline(always)]
 pub(crate) fn quarter_turns(turn: f64) -> (u32, f64) {

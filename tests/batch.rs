@@ -1,6 +1,7 @@
 //! The batch path against the scalar one: every kernel, at every level of this processor, over every length of a remainder.
 
 use brdf::batch::{self, Kernel, LengthError, Level, terms};
+use brdf::real::Real;
 use brdf::table::{DistributionTable, ENTRIES, FresnelTable, Mapping};
 use brdf::{Vector, distribution, fresnel, masking, microfacet, phong, refraction};
 
@@ -284,6 +285,36 @@ fn every_level_keeps_the_limits() {
     ] {
         println!("{name:20} {found:.2}");
         assert!(found <= limit, "{name}: {found} ULP, the limit is {limit}");
+    }
+}
+
+/// A kernel of a user's own.
+struct UnitCircle;
+
+impl Kernel<1, 2> for UnitCircle {
+    #[inline(always)]
+    fn evaluate<R: Real<Wide = R>>(&self, [turns]: [R; 1]) -> [R; 2] {
+        let (cosine, sine) = turns.unit_circle();
+        [cosine, sine]
+    }
+}
+
+#[test]
+fn the_unit_circle_is_the_same_at_every_level() {
+    // Eighths, where one quarter's series ends and the next one's begins; the ends and what lies beyond them.
+    let steps = 40_000;
+    let within = (0..=steps).map(|i| i as f32 / steps as f32);
+    let turns: Vec<f32> = within.chain((0..=8).map(|i| i as f32 / 8.0)).chain([-1.0, 2.0, f32::NAN]).collect();
+    for level in Level::available() {
+        let [cosines, sines] = run(level, &UnitCircle, &[turns.clone()], 0..turns.len());
+        for ((turn, cosine), sine) in turns.iter().zip(cosines).zip(sines) {
+            // NaN counts as 0, and turns are clamped.
+            let (c, s) = f64::from(turn.max(0.0).min(1.0)).unit_circle();
+            for (got, want) in [(cosine, c), (sine, s)] {
+                let ulp = f64::from(f32::EPSILON) * want.abs().max(f64::from(f32::MIN_POSITIVE));
+                assert!((f64::from(got) - want).abs() <= 3.0 * ulp, "{turn} at {}: {got}, {want}", level.name());
+            }
+        }
     }
 }
 

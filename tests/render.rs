@@ -64,7 +64,7 @@ fn furnace_holds(name: &str, film: &Film) {
 fn no_stack_reflects_more_than_arrives() {
     let options = Options { samples: 64, ..Options::default() };
     for found in stack::built_in() {
-        let film = offline::render::<f64>(&scene(found.stack, Environment::furnace(), 40), options, &silent);
+        let film = offline::render(&scene(found.stack, Environment::furnace(), 40), options, &silent);
         furnace_holds(found.name, &film);
     }
 }
@@ -74,8 +74,7 @@ fn no_material_reflects_more_than_arrives() {
     let options = Options { samples: 32, ..Options::default() };
     // As printed, two of the documents' materials gain energy; FORMULAS.md, errata 12 and 4.
     for found in built_in::all().into_iter().filter(|found| !found.name.ends_with("as_printed")) {
-        let film =
-            offline::render::<f64>(&scene(found.material().unwrap(), Environment::furnace(), 32), options, &silent);
+        let film = offline::render(&scene(found.material().unwrap(), Environment::furnace(), 32), options, &silent);
         furnace_holds(found.name, &film);
     }
 }
@@ -85,10 +84,10 @@ fn a_white_base_in_a_furnace_is_white() {
     // Drawn from the cosine, each path's weight is (1/π)·cos/(cos/π): 1 but for three roundings.
     let alone = Options { samples: 4, strategy: Strategy::Material, ..Options::default() };
     let furnace = scene(lambert(1.0), Environment::furnace(), 32);
-    let film = offline::render::<f64>(&furnace, alone, &silent);
+    let film = offline::render(&furnace, alone, &silent);
     assert!(film.mean().as_flattened().iter().all(|x| (x - 1.0).abs() < 1e-6));
     // In both ways the paths vary, the mean does not.
-    let film = offline::render::<f64>(&furnace, Options { samples: 64, ..Options::default() }, &silent);
+    let film = offline::render(&furnace, Options { samples: 64, ..Options::default() }, &silent);
     let count = film.mean().len() as f64;
     let mean = film.mean().iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / count;
     let error = film.variance().iter().map(|pixel| f64::from(pixel[0])).sum::<f64>().sqrt() / count;
@@ -122,7 +121,7 @@ fn a_lit_lambertian_sphere_has_its_closed_form() {
         let mut lit = scene(lambert(0.8), Environment::dark(), 24);
         lit.lights = vec![light];
         let film = realtime::render::<f64>(&lit, 1, &silent);
-        let traced = offline::render::<f64>(&lit, Options { samples: 64, ..Options::default() }, &silent);
+        let traced = offline::render(&lit, Options { samples: 64, ..Options::default() }, &silent);
         // The closed form along a ray: the nearer root of |o + t·d| = 1.
         let radiance = |pixel: u32, within: [f64; 2]| -> Option<[f64; 3]> {
             let ray = lit.camera.ray::<f64>(pixel, within);
@@ -235,7 +234,7 @@ fn light_is_found_the_same_in_every_way() {
         let lit = scene(material, sources::by_name("studio").unwrap(), 32);
         let by = |strategy, seed| {
             let options = Options { samples: 256, seed, strategy, ..Options::default() };
-            offline::render::<f64>(&lit, options, &silent)
+            offline::render(&lit, options, &silent)
         };
         let both = by(Strategy::Both, 1);
         agrees(&format!("{name}: two seeds"), &both, &by(Strategy::Both, 2));
@@ -265,8 +264,8 @@ fn single_and_double_precision_agree() {
     let options = |seed| Options { samples: 64, seed, ..Options::default() };
     agrees(
         "f32, f64",
-        &offline::render::<f32>(&lit, options(1), &silent),
-        &offline::render::<f64>(&lit, options(2), &silent),
+        &offline::render_by_path::<f32>(&lit, options(1), &silent),
+        &offline::render_by_path::<f64>(&lit, options(2), &silent),
     );
     let (single, double) = (realtime::render::<f32>(&lit, 1, &silent), realtime::render::<f64>(&lit, 1, &silent));
     let mut rim = 0;
@@ -294,7 +293,7 @@ fn single_and_double_precision_agree() {
 fn lambert_under_the_sky_is_the_same_in_both_modes() {
     let lit = scene(lambert(0.8), sources::by_name("sky").unwrap(), 24);
     let shown = realtime::render::<f64>(&lit, 8, &silent);
-    let traced = offline::render::<f64>(&lit, Options { samples: 1024, ..Options::default() }, &silent);
+    let traced = offline::render(&lit, Options { samples: 1024, ..Options::default() }, &silent);
     let most = traced.mean().iter().fold(0.0f32, |most, pixel| most.max(pixel[1]));
     for pixel in 0..24 * 24u32 {
         // Within the outline: pixels that show the sky as well vary by it.
@@ -315,12 +314,12 @@ fn pictures_do_not_depend_on_the_threads() {
     lit.shape = Shape::Mesh(mesh("threads", CUBE).unwrap());
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let options = Options { samples: 5, seed: 7, ..Options::default() };
-    let [one, three] = [1, 3].map(|n| pool(n).install(|| offline::render::<f64>(&lit, options, &silent)));
+    let [one, three] = [1, 3].map(|n| pool(n).install(|| offline::render(&lit, options, &silent)));
     assert_eq!(one, three);
     let [one, three] = [1, 3].map(|n| pool(n).install(|| realtime::render::<f64>(&lit, 2, &silent)));
     assert_eq!(one, three);
-    let other = offline::render::<f64>(&lit, Options { seed: 8, ..options }, &silent);
-    assert_ne!(offline::render::<f64>(&lit, options, &silent), other);
+    let other = offline::render(&lit, Options { seed: 8, ..options }, &silent);
+    assert_ne!(offline::render(&lit, options, &silent), other);
 }
 
 #[test]
@@ -611,7 +610,7 @@ mod on_a_gpu {
         for gpu in adapters_for_tests() {
             for (name, scene) in scenes() {
                 let options = |seed| Options { samples: 64, seed, ..Options::default() };
-                let want = offline::render::<f64>(&scene, options(1), &silent);
+                let want = offline::render(&scene, options(1), &silent);
                 let got =
                     gpu::offline(&gpu, &scene, options(2), &silent).unwrap_or_else(|error| panic!("{name}: {error}"));
                 agrees(&format!("{}: {name}", gpu.info()), &got, &want);

@@ -4,7 +4,9 @@
 #![allow(unsafe_code)]
 
 use crate::real::{Mask, Real, Sealed};
-use crate::series::{ANGLE_SINGLE, EXP_SINGLE, LN_SINGLE, angle_short, erfcx_single, horner};
+use crate::series::{
+    ANGLE_SINGLE, COSINE_SINGLE, EXP_SINGLE, LN_SINGLE, SINE_SINGLE, angle_short, erfcx_single, horner,
+};
 use crate::single::Single;
 use crate::twofold::Twofold;
 use core::fmt::Debug;
@@ -45,7 +47,7 @@ pub(crate) fn store_part<L: Lanes>(vector: L, slice: &mut [f32]) {
 }
 
 /// The lanes of the widest register.
-const WIDEST: usize = 16;
+pub(crate) const WIDEST: usize = 16;
 
 /// eˣ; 0 below −87.3, where the result would be subnormal, and infinite above 88. Error: ≤ 1 ULP.
 #[inline(always)]
@@ -140,6 +142,24 @@ pub(crate) fn angle_carried<L: Lanes>(high: L, low: L, adjacent: L) -> (L, L) {
     let right = Twofold { high: constant(core::f32::consts::FRAC_PI_2), low: constant(-4.371_139e-8) };
     let angle = Twofold::select(steep, right - odd, odd);
     (angle.high, angle.low)
+}
+
+/// The cosine and sine of x turns, x clamped to [0, 1]. Error: ≤ 3 ULP.
+#[inline(always)]
+pub(crate) fn unit_circle<L: Lanes>(x: L) -> (L, L) {
+    let constant = |c: f32| L::from_f64(f64::from(c));
+    let quarters = x.saturate() * constant(4.0);
+    // Adding 1.5·2²³ rounds to a whole number, which is left by taking it away.
+    let magic = constant(12_582_912.0);
+    let nearest = (quarters + magic) - magic;
+    let rest = quarters - nearest;
+    let square = rest * rest;
+    let (c, s) = (horner(square, &COSINE_SINGLE), rest * horner(square, &SINE_SINGLE));
+    let (first, second, third) = (constant(0.5).lt(nearest), constant(1.5).lt(nearest), constant(2.5).lt(nearest));
+    let last = constant(3.5).lt(nearest);
+    let odd = (first & !second) | (third & !last);
+    let (cosine, sine) = (L::select(odd, s, c), L::select(odd, c, s));
+    (L::select(first & !third, -cosine, cosine), L::select(second & !last, -sine, sine))
 }
 
 /// ln(1+x) + power·ln 2 for 1+x in [√½, √2].
@@ -378,13 +398,9 @@ impl<T: Register> Real for Vectored<T> {
     fn angle(self, adjacent: Self) -> Self {
         angle_short(self, adjacent)
     }
+    #[inline(always)]
     fn unit_circle(self) -> (Self, Self) {
-        let (mut turns, mut cosines, mut sines) = ([0.0; WIDEST], [0.0; WIDEST], [0.0; WIDEST]);
-        self.store(&mut turns);
-        for lane in 0..T::COUNT {
-            (cosines[lane], sines[lane]) = turns[lane].unit_circle();
-        }
-        (Self::load(&cosines), Self::load(&sines))
+        unit_circle(self)
     }
     #[inline(always)]
     fn floor(self) -> Self {

@@ -25,7 +25,7 @@
 //! Slices that all start at the same place of a page of memory, as large allocations do, share the ways of the first cache: such
 //! arrays cost 10 to 20 % from memory. Start each a cache line (16 numbers) further into its allocation than the one before.
 
-mod dispatch;
+pub(crate) mod dispatch;
 pub(crate) mod lanes;
 mod stack;
 pub mod terms;

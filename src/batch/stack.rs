@@ -84,7 +84,8 @@ impl<const C: usize> Plan<C> {
         Ok(())
     }
 
-    fn run(&self, level: Level, wi: [&[f32]; 3], wo: impl Viewers, f: [&mut [f32]; C]) {
+    /// [`Plan::evaluate_batch_at`] or [`Plan::evaluate_view_at`] of slices of one length.
+    pub(crate) fn run(&self, level: Level, wi: [&[f32]; 3], wo: impl Viewers, f: [&mut [f32]; C]) {
         match self.chains() {
             Chains::Together(chain) => run(level, chain, Slices { wi, wo, f }),
             Chains::Apart(chains) => {
@@ -136,7 +137,7 @@ fn run<V: Viewers, const K: usize>(level: Level, chain: &Chain<K>, slices: Slice
 }
 
 /// Where the directions towards the viewer come from.
-trait Viewers: Copy {
+pub(crate) trait Viewers: Copy {
     /// The first `count`.
     fn cut(self, count: usize) -> Self;
     fn load<L: Lanes>(&self, start: usize, length: usize) -> Vector<L>;

@@ -1,8 +1,8 @@
 //! A pinhole camera on an orbit around the origin.
 
-use super::Number;
 use super::shape::Ray;
 use crate::frame::Vector;
+use crate::real::Real;
 
 /// The most pixels of a picture.
 pub const MOST_PIXELS: u64 = 1 << 26;
@@ -112,12 +112,16 @@ impl Camera {
 
     /// The ray through a point of a pixel, counted row by row from the upper left; `within` in [0, 1)², from its own upper left.
     #[inline]
-    pub fn ray<R: Number>(&self, pixel: u32, within: [R; 2]) -> Ray<R> {
-        let (column, row) = (pixel % self.width, pixel / self.width);
-        let place = |at: u32, within: R, size: u32| {
-            (R::from_f64(f64::from(at)) + within) * R::from_f64(2.0 / f64::from(size)) - R::ONE
-        };
-        let (x, y) = (place(column, within[0], self.width), place(row, within[1], self.height));
+    pub fn ray<R: Real>(&self, pixel: u32, within: [R; 2]) -> Ray<R> {
+        let [column, row] = [pixel % self.width, pixel / self.width].map(|at| R::from_f64(f64::from(at)));
+        self.ray_through([column + within[0], row + within[1]])
+    }
+
+    /// The ray through a point of the picture, in pixels from its upper left corner.
+    #[inline(always)]
+    pub fn ray_through<R: Real>(&self, [x, y]: [R; 2]) -> Ray<R> {
+        let place = |at: R, size: u32| at * R::from_f64(2.0 / f64::from(size)) - R::ONE;
+        let (x, y) = (place(x, self.width), place(y, self.height));
         let direction = self.forward.cast::<R>() + self.right.cast::<R>() * x - self.up.cast::<R>() * y;
         Ray { origin: self.origin.cast(), direction: direction.normalized() }
     }

@@ -193,7 +193,7 @@ impl Environment {
     }
 
     /// The radiance from a direction, and the density in sr⁻¹ with which [`Environment::sample`] draws it.
-    #[inline]
+    #[inline(always)]
     pub fn look<R: Real>(&self, w: Vector<R>) -> ([R; 3], R) {
         let (point, distance) = octahedral::square(w);
         let (radiance, fourth) = self.map.at(point);
@@ -205,18 +205,28 @@ impl Environment {
     /// None where no light comes from anywhere.
     #[inline]
     pub fn sample<R: Real>(&self, u: [R; 4]) -> Option<(Vector<R>, [R; 3], R)> {
-        let count = self.alias.len();
-        let place = ((u[0].to_f64() * count as f64) as usize).min(count.saturating_sub(1));
-        let entry = self.alias.get(place)?;
-        let chosen = if u[1].to_f64() < f64::from(entry.keep) { place } else { entry.other as usize };
+        let found = self.draw(u);
+        found.2.gt(R::ZERO).any().then_some(found)
+    }
+
+    /// [`Environment::sample`], with density 0 where there is none.
+    #[inline(always)]
+    pub(crate) fn draw<R: Real>(&self, u: [R; 4]) -> (Vector<R>, [R; 3], R) {
+        // Whole numbers up to 2¹⁴: exact in every type.
+        let whole = |number: usize| R::from_f64(number as f64);
+        let place = (u[0] * whole(self.alias.len())).floor().min(whole(self.alias.len().saturating_sub(1)));
+        let [keep, other] = R::at_cell([place], |[place]| {
+            self.alias.get(place as usize).map_or([0.0; 2], |entry| [f64::from(entry.keep), f64::from(entry.other)])
+        });
+        let chosen = R::select(u[1].lt(keep), place, other);
         let side = self.map.side().min(SQUARES);
-        let (column, row) = (R::from_f64((chosen % side) as f64), R::from_f64((chosen / side) as f64));
-        let scale = R::TWO / R::from_f64(side as f64);
+        let row = (chosen * R::from_f64(1.0 / side as f64)).floor();
+        let column = chosen - row * whole(side);
+        let scale = R::TWO / whole(side);
         let point = [(column + u[2]) * scale - R::ONE, (row + u[3]) * scale - R::ONE];
         let (w, cube) = octahedral::direction(point);
         let (radiance, fourth) = self.map.at(point);
-        let density = fourth * cube;
-        density.gt(R::ZERO).any().then_some((w, radiance, density))
+        (w, radiance, fourth * cube)
     }
 }
 

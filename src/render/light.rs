@@ -1,7 +1,7 @@
 //! Lights of no extent: from infinitely far away, and from a point.
 
-use super::Number;
 use crate::frame::Vector;
+use crate::real::Real;
 use core::str::FromStr;
 
 /// How the light of a point thins out.
@@ -51,8 +51,8 @@ pub struct Arriving<R> {
 
 impl Light {
     /// What arrives at a point.
-    #[inline]
-    pub fn at<R: Number>(&self, point: Vector<R>) -> Arriving<R> {
+    #[inline(always)]
+    pub fn at<R: Real>(&self, point: Vector<R>) -> Arriving<R> {
         match self {
             Light::Directional { towards, irradiance } => Arriving {
                 towards: towards.cast(),

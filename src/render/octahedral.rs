@@ -10,7 +10,7 @@ use crate::real::Real;
 use rayon::prelude::*;
 
 /// The point of [−1, 1]² that a direction of any length > 0 falls on, and 1/(|x|+|y|+|z|): a unit direction's distance on the octahedron.
-#[inline]
+#[inline(always)]
 pub fn square<R: Real>(w: Vector<R>) -> ([R; 2], R) {
     let scale = R::ONE / (w.x.abs() + w.y.abs() + w.z.abs());
     let (x, y) = (w.x * scale, w.y * scale);
@@ -21,7 +21,7 @@ pub fn square<R: Real>(w: Vector<R>) -> ([R; 2], R) {
 }
 
 /// The direction of a point of [−1, 1]², and the cube of its distance on the octahedron: dω = dx dy / that.
-#[inline]
+#[inline(always)]
 pub fn direction<R: Real>([x, y]: [R; 2]) -> (Vector<R>, R) {
     let z = R::ONE - x.abs() - y.abs();
     let over = (-z).max(R::ZERO);
@@ -121,37 +121,44 @@ impl Map {
     }
 
     /// The three channels at a direction, bilinear, and the fourth number of the texel that it falls into.
-    ///
-    /// Texels are blended in f32, whatever the direction's numbers: they have no more digits.
-    #[inline]
+    #[inline(always)]
     pub fn look<R: Real>(&self, w: Vector<R>) -> ([R; 3], R) {
         self.at(square(w).0)
     }
 
     /// [`Map::look`] at the point of [−1, 1]² that the direction falls on.
-    #[inline]
+    #[inline(always)]
     pub fn at<R: Real>(&self, [x, y]: [R; 2]) -> ([R; 3], R) {
-        let size = self.side as f32;
+        let size = R::from_f64(self.side as f64);
         // A direction that is not a number falls into the first texel.
-        let place = |v: R| (((v + R::ONE).to_f64() as f32) * (0.5 * size)).max(0.0).min(size) + 0.5;
+        let place = |v: R| ((v + R::ONE) * (R::HALF * size)).max(R::ZERO).min(size) + R::HALF;
         let (x, y) = (place(x), place(y));
-        let (column, row) = (x as usize, y as usize);
-        let (u, v) = (x - column as f32, y - row as f32);
+        let (column, row) = (x.floor(), y.floor());
+        let (u, v) = (x - column, y - row);
         let stride = self.side + 2;
-        let pair = |start: usize| match self.texels.get(start..start + 2) {
-            Some([a, b]) => (*a, *b),
-            _ => Default::default(),
-        };
-        let (a, b) = pair(row * stride + column);
-        let (c, d) = pair((row + 1) * stride + column);
-        let mix = |i: usize| {
-            let (top, bottom) = (a[i] + (b[i] - a[i]) * u, c[i] + (d[i] - c[i]) * u);
-            R::from_f64(f64::from(top + (bottom - top) * v))
-        };
+        let corners: [R; 16] = R::at_cell([column, row], |[column, row]| {
+            let start = row as usize * stride + column as usize;
+            let pair = |start: usize| self.texels.get(start..start + 2).unwrap_or(&[[0.0; 4]; 2]);
+            let (upper, lower) = (pair(start), pair(start + stride));
+            let mut corners = [0.0; 16];
+            for i in 0..4 {
+                for (corner, texel) in [upper[0], upper[1], lower[0], lower[1]].iter().enumerate() {
+                    corners[4 * corner + i] = f64::from(texel[i]);
+                }
+            }
+            corners
+        });
+        let mut channels = [R::ZERO; 3];
+        for i in 0..3 {
+            let [a, b, c, d] = [corners[i], corners[4 + i], corners[8 + i], corners[12 + i]];
+            let (top, bottom) = (a + (b - a) * u, c + (d - c) * u);
+            channels[i] = top + (bottom - top) * v;
+        }
         // The centres of the four are half a texel away: beyond the middle it is the next one's.
-        let [left, right] = if v < 0.5 { [a, b] } else { [c, d] };
-        let inside = if u < 0.5 { left } else { right };
-        ([mix(0), mix(1), mix(2)], R::from_f64(f64::from(inside[3])))
+        let (left, above) = (u.lt(R::HALF), v.lt(R::HALF));
+        let upper = R::select(left, corners[3], corners[7]);
+        let inside = R::select(above, upper, R::select(left, corners[11], corners[15]));
+        (channels, inside)
     }
 
     /// The direction of the centre of a texel, and its solid angle but for second order.

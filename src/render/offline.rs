@@ -10,8 +10,15 @@ use super::scene::Scene;
 use super::shading::Shading;
 use super::shape::Ray;
 use super::{Number, Progress};
+use crate::batch::Level;
+use crate::real::Real;
 use crate::walk::random::{random, random_words};
+use convex::Convex;
+use core::ops::Range;
+use core::sync::atomic::{AtomicU32, Ordering};
 use rayon::prelude::*;
+
+mod convex;
 
 /// How the environment's light is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -50,17 +57,17 @@ pub(crate) const ROULETTE_FROM: u32 = 3;
 /// Groups of four random numbers for each point of a path: the material's, the environment's, the roulette's.
 pub(crate) const GROUPS: u32 = 3;
 
-/// Rows of a tile: small enough to share the work evenly, large enough for the order to keep what is cached.
-const TILE: usize = 256;
+/// Pixels of a tile: small enough to share the work evenly, large enough for the order to keep what is cached.
+const TILE: u32 = 256;
 
-/// A scene prepared for one number type.
-pub struct Tracer<'a, R> {
+/// A scene, prepared.
+pub struct Tracer<'a> {
     scene: &'a Scene,
-    shading: Shading<'a, R>,
+    shading: Shading<'a>,
     options: Options,
 }
 
-impl<'a, R: Number> Tracer<'a, R> {
+impl<'a> Tracer<'a> {
     /// Prepares a scene.
     pub fn new(scene: &'a Scene, options: Options) -> Self {
         scene.prepare(&|_| ());
@@ -73,11 +80,11 @@ impl<'a, R: Number> Tracer<'a, R> {
     }
 
     /// The radiance that one path finds for a pixel.
-    pub fn sample(&self, pixel: u32, seed: u32, sample: u32) -> [R; 3] {
+    pub fn sample<R: Number>(&self, pixel: u32, seed: u32, sample: u32) -> [R; 3] {
         let scene = self.scene;
         let numbers = |dimension: u32| random::<R>(seed, sample, dimension);
         let [x, y, ..] = numbers(0);
-        let mut ray = scene.camera.ray(pixel, [x, y]);
+        let mut ray: Ray<R> = scene.camera.ray(pixel, [x, y]);
         let far = R::from_f64(f64::from(f32::MAX));
         let (spread, convex) = (R::from_f64(scene.camera.spread()), scene.shape.is_convex());
         let (mut sum, mut throughput) = ([R::ZERO; 3], [R::ONE; 3]);
@@ -165,11 +172,11 @@ impl<'a, R: Number> Tracer<'a, R> {
     }
 
     /// What the samples of a pixel from `first` on add up to.
-    pub fn pixel(&self, pixel: u32, first: u32, count: u32) -> Tally {
+    pub fn pixel<R: Number>(&self, pixel: u32, first: u32, count: u32) -> Tally {
         let seed = self.pixel_seed(pixel);
         let mut tally = Tally::default();
         for sample in first..first.saturating_add(count) {
-            tally.add(self.sample(pixel, seed, sample).map(R::to_f64));
+            tally.add(self.sample::<R>(pixel, seed, sample).map(R::to_f64));
         }
         tally
     }
@@ -182,28 +189,43 @@ pub(crate) fn pixel_seed(seed: u32, pixel: u32) -> u32 {
 
 /// The power heuristic's weight of a direction drawn with the first density, that the second draws as well.
 #[inline]
-fn heuristic<R: Number>(own: R, other: R) -> R {
+fn heuristic<R: Real>(own: R, other: R) -> R {
     // The ratio's square may overflow, which makes the weight 0: right.
     let ratio = other / own;
     R::ONE / (R::ONE + ratio * ratio)
 }
 
-/// The picture, on the threads of the current pool.
-pub fn render<R: Number>(scene: &Scene, options: Options, progress: &Progress<'_>) -> Film {
+/// The picture, on the threads of the current pool: in vector instructions where the scene lets them (one stack under a closed-form
+/// model, on a convex shape), else path by path over f64.
+///
+/// Both take the same paths: their pictures differ by the rounding of f32.
+pub fn render(scene: &Scene, options: Options, progress: &Progress<'_>) -> Film {
+    match Convex::new(scene, options) {
+        Some(convex) => tiled(scene, progress, |pixels| convex.tallies(Level::detect(), pixels)),
+        None => render_by_path::<f64>(scene, options, progress),
+    }
+}
+
+/// The picture path by path over any number type, on the threads of the current pool.
+pub fn render_by_path<R: Number>(scene: &Scene, options: Options, progress: &Progress<'_>) -> Film {
     scene.prepare(progress);
-    let tracer = Tracer::<R>::new(scene, options);
-    let count = scene.camera.pixels();
-    let done = core::sync::atomic::AtomicUsize::new(0);
-    let pixels: Vec<u32> = (0..count as u32).collect();
-    let tiles: Vec<Vec<Tally>> = pixels
-        .par_chunks(TILE)
+    let tracer = Tracer::new(scene, options);
+    tiled(scene, progress, |pixels| pixels.map(|pixel| tracer.pixel::<R>(pixel, 0, options.samples.max(1))).collect())
+}
+
+/// A picture of tiles, which are ranges of pixels.
+fn tiled(scene: &Scene, progress: &Progress<'_>, tallies: impl Fn(Range<u32>) -> Vec<Tally> + Sync) -> Film {
+    let count = scene.camera.pixels() as u32;
+    let done = AtomicU32::new(0);
+    let tiles: Vec<Vec<Tally>> = (0..count.div_ceil(TILE))
+        .into_par_iter()
         .map(|tile| {
-            let tallies = tile.iter().map(|pixel| tracer.pixel(*pixel, 0, options.samples.max(1))).collect();
-            let pixels = done.fetch_add(tile.len(), core::sync::atomic::Ordering::Relaxed) + tile.len();
-            progress(pixels as f64 / count as f64);
+            let pixels = tile * TILE..count.min((tile + 1) * TILE);
+            let length = pixels.end - pixels.start;
+            let tallies = tallies(pixels);
+            progress(f64::from(done.fetch_add(length, Ordering::Relaxed) + length) / f64::from(count));
             tallies
         })
         .collect();
-    let tallies: Vec<Tally> = tiles.into_iter().flatten().collect();
-    Film::new(scene.camera.width(), scene.camera.height(), &tallies)
+    Film::new(scene.camera.width(), scene.camera.height(), &tiles.concat())
 }

@@ -11,23 +11,23 @@ use crate::material::{Colour, Material, Part, Point, Spot};
 use crate::plan::Plan;
 use crate::sampling::{Sample, View, Views};
 
-/// A material over one number type.
+/// A material, prepared.
 #[derive(Clone, Debug)]
-pub struct Shading<'a, R> {
+pub struct Shading<'a> {
     material: &'a Material,
-    whole: Option<(Plan<3>, Views<R>)>,
+    whole: Option<(Plan<3>, Views)>,
 }
 
-impl<'a, R: Number> Shading<'a, R> {
+impl<'a> Shading<'a> {
     /// Prepares a material.
     pub fn new(material: &'a Material) -> Self {
-        let whole = whole(material).and_then(|stack| Some((Plan::new(stack).ok()?, Views::new(&stack.cast())?)));
+        let whole = whole(material).and_then(|stack| Some((Plan::new(stack).ok()?, Views::new(stack)?)));
         Shading { material, whole }
     }
 
     /// The material at a point, which is only looked for where the material asks.
     #[inline]
-    pub fn at(&self, point: impl FnOnce() -> Point<R>) -> Local<'_, R> {
+    pub fn at<R: Number>(&self, point: impl FnOnce() -> Point<R>) -> Local<'_, R> {
         match &self.whole {
             Some((plan, views)) => Local::Whole(plan, views),
             None => Local::Spot(self.material.at(&point())),
@@ -36,7 +36,7 @@ impl<'a, R: Number> Shading<'a, R> {
 }
 
 /// The one stack that a material is, if it is.
-fn whole(material: &Material) -> Option<&Stack<f64, 3>> {
+pub(super) fn whole(material: &Material) -> Option<&Stack<f64, 3>> {
     let [Part { finish, .. }] = material.parts() else { return None };
     match &finish.body {
         Body::Whole(stack) if finish.relief.is_none() && finish.reflectivity == Colour::Constant([1.0; 3]) => {
@@ -50,7 +50,7 @@ fn whole(material: &Material) -> Option<&Stack<f64, 3>> {
 #[derive(Clone, Debug)]
 pub enum Local<'a, R> {
     /// A stack, the same everywhere.
-    Whole(&'a Plan<3>, &'a Views<R>),
+    Whole(&'a Plan<3>, &'a Views),
     /// The material's fields at this point.
     Spot(Spot<'a, R>),
 }

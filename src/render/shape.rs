@@ -9,6 +9,7 @@ use super::mesh::Mesh;
 use super::torus::Torus;
 use crate::frame::{Frame, Vector};
 use crate::material::Point;
+use crate::real::Real;
 
 /// How far from a surface the rays that leave it start. A thousandth of a pixel at usual sizes; in f32 positions are good to 1e-6.
 pub const CLEARANCE: f64 = 1e-4;
@@ -22,7 +23,7 @@ pub struct Ray<R> {
     pub direction: Vector<R>,
 }
 
-impl<R: Number> Ray<R> {
+impl<R: Real> Ray<R> {
     /// The point at a distance.
     #[inline(always)]
     pub fn at(&self, distance: R) -> Vector<R> {
@@ -159,7 +160,39 @@ impl Shape {
 
     /// Whether rays that leave the shape never meet it again.
     pub fn is_convex(&self) -> bool {
-        matches!(self, Shape::Sphere | Shape::Plane)
+        self.convex().is_some()
+    }
+
+    pub(crate) fn convex(&self) -> Option<Convex> {
+        match self {
+            Shape::Sphere => Some(Convex::Sphere),
+            Shape::Plane => Some(Convex::Plane),
+            Shape::Torus(_) | Shape::Mesh(_) => None,
+        }
+    }
+}
+
+/// The shapes that rays leave for good.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Convex {
+    Sphere,
+    Plane,
+}
+
+impl Convex {
+    /// In every lane whether a ray from outside meets the shape; where, and the shading frame there.
+    #[inline(always)]
+    pub(crate) fn meet<R: Real>(self, ray: &Ray<R>) -> (R::Mask, Vector<R>, Frame<R>) {
+        match self {
+            Convex::Sphere => {
+                let Met { found, position, .. } = sphere_met(ray);
+                (found, position, sphere_frame(position).0)
+            }
+            Convex::Plane => {
+                let Met { found, position, .. } = plane_met(ray);
+                (found, position, plane_frame(ray))
+            }
+        }
     }
 }
 
@@ -180,29 +213,11 @@ pub(crate) fn around_per_length<R: Number>(radius: R) -> R {
 }
 
 fn sphere<R: Number>(ray: &Ray<R>, within: R) -> Option<Hit<R>> {
-    // From the point of the ray that is nearest to the centre, whose distance is had without cancellation.
-    let along = -ray.origin.dot(ray.direction);
-    let nearest = ray.at(along);
-    let square = R::ONE - nearest.length_squared();
-    if square.lt(R::ZERO) {
+    let Met { found, distance, position: normal } = sphere_met(ray);
+    if !found || !distance.lt(within) {
         return None;
     }
-    let half = square.sqrt();
-    // A ray that leaves the sphere starts outside and does not come back.
-    let distance = along - half;
-    if !R::ZERO.lt(distance) || !distance.lt(within) {
-        return None;
-    }
-    let normal = ray.at(distance).normalized();
-    let squared = normal.sin_squared();
-    // At the poles there is no direction around.
-    let (frame, around) = if (R::EPSILON * R::EPSILON).lt(squared) {
-        let inverse = R::ONE / squared.sqrt();
-        let tangent = Vector::new(-normal.y * inverse, normal.x * inverse, R::ZERO);
-        (Frame { tangent, bitangent: normal.cross(tangent), normal }, inverse)
-    } else {
-        (Frame::from_normal(normal), R::ZERO)
-    };
+    let (frame, around) = sphere_frame(normal);
     Some(Hit {
         distance,
         position: normal,
@@ -215,27 +230,67 @@ fn sphere<R: Number>(ray: &Ray<R>, within: R) -> Option<Hit<R>> {
 }
 
 fn plane<R: Number>(ray: &Ray<R>, within: R) -> Option<Hit<R>> {
-    let distance = -ray.origin.z / ray.direction.z;
-    if !R::ZERO.lt(distance) || !distance.lt(within) {
+    let Met { found, distance, position } = plane_met(ray);
+    if !found || !distance.lt(within) {
         return None;
     }
-    let at = ray.at(distance);
-    if R::ONE.lt(at.x.abs()) || R::ONE.lt(at.y.abs()) {
-        return None;
-    }
-    let up = if ray.direction.z.lt(R::ZERO) { R::ONE } else { -R::ONE };
-    let normal = Vector::new(R::ZERO, R::ZERO, up);
-    let tangent = Vector::new(R::ONE, R::ZERO, R::ZERO);
+    let frame = plane_frame(ray);
     let parameter = |x: R| ((x + R::ONE) * R::HALF).max(R::ZERO).min(R::ONE - R::HALF * R::EPSILON);
     Some(Hit {
         distance,
-        position: Vector::new(at.x, at.y, R::ZERO),
-        geometric: normal,
-        frame: Frame { tangent, bitangent: normal.cross(tangent), normal },
-        uv: [parameter(at.x), parameter(at.y)],
-        uv_per_length: [R::HALF, R::HALF * up],
+        position,
+        geometric: frame.normal,
+        frame,
+        uv: [parameter(position.x), parameter(position.y)],
+        uv_per_length: [R::HALF, R::HALF * frame.normal.z],
         occlusion: R::ZERO,
     })
+}
+
+/// Where rays meet a shape, in every lane.
+struct Met<R: Real> {
+    found: R::Mask,
+    distance: R,
+    position: Vector<R>,
+}
+
+#[inline(always)]
+fn sphere_met<R: Real>(ray: &Ray<R>) -> Met<R> {
+    // From the point of the ray that is nearest to the centre, whose distance is had without cancellation.
+    let along = -ray.origin.dot(ray.direction);
+    let nearest = ray.at(along);
+    let square = R::ONE - nearest.length_squared();
+    // A ray that leaves the sphere starts outside and does not come back.
+    let distance = along - square.max(R::ZERO).sqrt();
+    Met { found: square.ge(R::ZERO) & distance.gt(R::ZERO), distance, position: ray.at(distance).normalized() }
+}
+
+/// The frame at a point of the sphere, and the inverse of the point's distance from the axis: 0 at the poles, where there is no
+/// direction around.
+#[inline(always)]
+fn sphere_frame<R: Real>(normal: Vector<R>) -> (Frame<R>, R) {
+    let squared = normal.sin_squared();
+    let off_axis = squared.gt(R::EPSILON * R::EPSILON);
+    let inverse = R::ONE / R::select(off_axis, squared, R::ONE).sqrt();
+    let along_x = Vector::new(R::ONE, R::ZERO, R::ZERO);
+    let tangent = Vector::select(off_axis, Vector::new(-normal.y * inverse, normal.x * inverse, R::ZERO), along_x);
+    (Frame { tangent, bitangent: normal.cross(tangent), normal }, R::select(off_axis, inverse, R::ZERO))
+}
+
+#[inline(always)]
+fn plane_met<R: Real>(ray: &Ray<R>) -> Met<R> {
+    let distance = -ray.origin.z / ray.direction.z;
+    let at = ray.at(distance);
+    let found = distance.gt(R::ZERO) & at.x.abs().le(R::ONE) & at.y.abs().le(R::ONE);
+    Met { found, distance, position: Vector::new(at.x, at.y, R::ZERO) }
+}
+
+/// The square's frame on the side that a ray comes from.
+#[inline(always)]
+fn plane_frame<R: Real>(ray: &Ray<R>) -> Frame<R> {
+    let up = R::select(ray.direction.z.lt(R::ZERO), R::ONE, -R::ONE);
+    let (tangent, normal) = (Vector::new(R::ONE, R::ZERO, R::ZERO), Vector::new(R::ZERO, R::ZERO, up));
+    Frame { tangent, bitangent: normal.cross(tangent), normal }
 }
 
 #[cfg(test)]

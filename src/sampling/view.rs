@@ -79,7 +79,7 @@ impl<R: Real> View<R> {
     }
 
     /// [`Stack::pdf`] for this view, but for rounding.
-    #[inline]
+    #[inline(always)]
     pub fn pdf(&self, wi: Vector<R>) -> R {
         let lit = wi.z.gt(R::ZERO) & self.wo.z.gt(R::ZERO);
         if !lit.any() {
@@ -96,25 +96,33 @@ impl<R: Real> View<R> {
     /// [`Stack::sample`] for this view, but for rounding.
     #[inline]
     pub fn sample(&self, u: [R; 3]) -> Option<Sample<R>> {
-        let wi = self.direction(u)?;
-        let pdf = self.pdf(wi);
-        pdf.gt(R::ZERO).all().then_some(Sample { wi, pdf })
+        let sample = self.draw(u);
+        sample.pdf.gt(R::ZERO).all().then_some(sample)
     }
 
-    /// The direction of a sample, before it is known whether it leaves the stack.
-    #[inline]
-    fn direction(&self, u: [R; 3]) -> Option<Vector<R>> {
-        if u[0].lt(self.even).all() {
-            return Some(cosine_hemisphere([u[1], u[2]]));
-        }
+    /// [`View::sample`], with density 0 where there is none.
+    #[inline(always)]
+    pub(crate) fn draw(&self, u: [R; 3]) -> Sample<R> {
+        let spreads = u[0].lt(self.even);
+        let mut wi = Vector::default();
+        let mut pending = !spreads;
         let mut rest = below_one((u[0] - self.even) / (R::ONE - self.even));
         for drawn in self.lobes() {
-            if rest.lt(drawn.share).all() {
-                return Some(drawn.lobe.reflect([rest.max(R::ZERO) / drawn.share, u[1], u[2]]));
+            let chosen = pending & rest.lt(drawn.share);
+            if chosen.any() {
+                let within = rest.max(R::ZERO) / R::select(chosen, drawn.share, R::ONE);
+                wi = Vector::select(chosen, drawn.lobe.reflect([within, u[1], u[2]]), wi);
+                pending = pending & !chosen;
+                if !pending.any() {
+                    break;
+                }
             }
             rest = rest - drawn.share;
         }
-        None
+        if spreads.any() {
+            wi = Vector::select(spreads, cosine_hemisphere([u[1], u[2]]), wi);
+        }
+        Sample { wi, pdf: self.pdf(wi) }
     }
 }
 
@@ -135,62 +143,67 @@ const NODES: usize = 65;
 /// probabilities is as right as one that computes them, and spares itself the Fresnel terms of every view. [`Views::facing`] is a
 /// view like [`Stack::facing`]'s in all but its shares, so that its densities differ a little from [`Stack::pdf`].
 #[derive(Clone, Debug)]
-pub struct Views<R> {
-    /// The lobes at normal incidence, of which the shapes are taken.
-    lobes: Vec<Lobe<R>>,
-    /// The share of each lobe, and what of it is drawn evenly; `lobes.len()` of them for each cosine.
-    nodes: Vec<[R; 2]>,
-    even: R,
+pub struct Views {
+    lobes: Vec<Tabulated>,
+    /// The share of the cosine over all lobes.
+    even: f64,
 }
 
-impl<R: Real<Mask = bool>> Views<R> {
+/// A lobe at every view.
+#[derive(Clone, Debug)]
+struct Tabulated {
+    /// At normal incidence.
+    lobe: Lobe<f64>,
+    /// Its share, and what of it is drawn evenly, at each cosine.
+    nodes: [[f64; 2]; NODES],
+}
+
+impl Views {
     /// The views of a stack; none where some of its lobes end at an angle (indices below 1), or where it reflects nothing.
-    pub fn new<const C: usize>(stack: &Stack<R, C>) -> Option<Self> {
+    pub fn new<const C: usize>(stack: &Stack<f64, C>) -> Option<Self> {
         let at = |node: usize| {
             // Grazing as such has no view.
             let cosine = (node as f64 / (NODES - 1) as f64).max(1e-3);
-            let sine = ((1.0 - cosine) * (1.0 + cosine)).sqrt();
-            stack.facing(Vector::new(R::from_f64(sine), R::ZERO, R::from_f64(cosine)))
+            stack.facing(Vector::new(((1.0 - cosine) * (1.0 + cosine)).sqrt(), 0.0, cosine))
         };
-        let lobes: Vec<Lobe<R>> = at(NODES - 1).lobes().map(|drawn| drawn.lobe).collect();
-        let mut nodes = Vec::with_capacity(NODES * lobes.len());
+        let tabulated = |drawn: &Drawn<f64>| Tabulated { lobe: drawn.lobe, nodes: [[0.0; 2]; NODES] };
+        let mut lobes: Vec<Tabulated> = at(NODES - 1).lobes().map(tabulated).collect();
         for node in 0..NODES {
             let view = at(node);
-            let total = view.lobes().fold(R::ZERO, |sum, drawn| sum + drawn.share);
-            if view.count != lobes.len() || !R::HALF.lt(total) {
+            let total: f64 = view.lobes().map(|drawn| drawn.share).sum();
+            if view.count != lobes.len() || total <= 0.5 {
                 return None;
             }
-            nodes.extend(view.lobes().map(|drawn| match drawn.lobe.shape {
-                Shape::Facets { spread, .. } => [drawn.share, spread],
-                Shape::Diffuse { uniform } => [drawn.share, uniform],
-            }));
+            for (tabulated, drawn) in lobes.iter_mut().zip(view.lobes()) {
+                tabulated.nodes[node] = match drawn.lobe.shape {
+                    Shape::Facets { spread, .. } => [drawn.share, spread],
+                    Shape::Diffuse { uniform } => [drawn.share, uniform],
+                };
+            }
         }
-        Some(Views { lobes, nodes, even: R::from_f64(cosine_share(stack.model())) })
+        Some(Views { lobes, even: cosine_share(stack.model()) })
     }
 
     /// The view from a local unit direction; without lobes where it is at or below the horizon.
     #[inline(always)]
-    pub fn facing(&self, wo: Vector<R>) -> View<R> {
-        let mut view = View::empty(wo, self.even);
-        if !R::ZERO.lt(wo.z) {
+    pub fn facing<R: Real>(&self, wo: Vector<R>) -> View<R> {
+        let mut view = View::empty(wo, R::from_f64(self.even));
+        if !wo.z.gt(R::ZERO).any() {
             return view;
         }
         let place = wo.z.saturate() * R::from_f64((NODES - 1) as f64);
-        let node = (place.to_f64() as usize).min(NODES - 2);
-        let rest = place - R::from_f64(node as f64);
-        let count = self.lobes.len();
-        let low = self.nodes.get(node * count..).unwrap_or_default();
-        let high = low.get(count..).unwrap_or_default();
-        for ((lobe, low), high) in self.lobes.iter().zip(low).zip(high) {
-            let [share, own] = [0, 1].map(|i: usize| low[i] + (high[i] - low[i]) * rest);
+        let none = Weights { estimate: R::ZERO, safe: R::ZERO };
+        for Tabulated { lobe, nodes } in &self.lobes {
+            let [share, own] = place.interpolate(nodes);
             let shape = match lobe.shape {
                 Shape::Facets { alpha, n, least, top, .. } => {
+                    let [alpha, n, least] = [alpha, n, least].map(R::from_f64);
                     let view = if top { wo } else { refract(wo, n) };
                     Shape::Facets { view, alpha, n, least, top, spread: own }
                 }
                 Shape::Diffuse { .. } => Shape::Diffuse { uniform: own },
             };
-            view.push(Drawn { lobe: Lobe { shape, ..*lobe }, share });
+            view.push(Drawn { lobe: Lobe { weights: none, shape }, share });
         }
         view
     }

@@ -224,7 +224,7 @@ fn picture(
             let how = offline::Options { samples, seed: options.seed, ..offline::Options::default() };
             let film = match device {
                 Some(device) => gpu::offline(device, scene, how, progress).map_err(refused)?,
-                None => offline::render::<f64>(scene, how, progress),
+                None => offline::render(scene, how, progress),
             };
             Ok((film, samples))
         }

@@ -7,6 +7,7 @@ mod host;
 mod layered;
 mod machine;
 mod materials;
+mod offline;
 mod shaders;
 mod terms;
 mod timed;
@@ -32,6 +33,8 @@ enum Subject {
     Shaders(shaders::Options),
     /// The documents' materials against Phong with the same features, on every adapter.
     Materials(materials::Options),
+    /// Paths a second of the offline mode, for a sphere of each stack and material.
+    Offline(offline::Options),
     /// The measured peak of this processor: multiply-adds, divides, roots and copying.
     Machine(machine::Options),
     /// Writes docs/performance.md and its charts from measurements made now.
@@ -44,6 +47,7 @@ pub(crate) fn run(options: &Options) -> Result<ExitCode, Failure> {
         Subject::Layered(options) => layered::run(options),
         Subject::Shaders(options) => shaders::run(options),
         Subject::Materials(options) => materials::run(options),
+        Subject::Offline(options) => offline::run(options),
         Subject::Machine(options) => machine::run(options),
         Subject::Document(options) => document::run(options),
     }
