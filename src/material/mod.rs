@@ -78,4 +78,4 @@ pub use finish::Finish;
 pub use parts::{Material, MaterialError, Part};
 pub use point::Point;
 #[cfg(feature = "std")]
-pub use spot::Spot;
+pub use spot::{Seen, Spot};

@@ -15,10 +15,14 @@ use crate::layered::model::{Plain, Surface, interface_fresnel, over};
 use crate::layered::{ALPHA_RANGE, Interface, K_RANGE, Layer, Medium, Model, N_RANGE, Stack};
 use crate::microfacet::{Facets, cos_half, facets};
 use crate::real::{Mask, Real};
-use crate::sampling::{self, Sample};
+use crate::sampling::{Sample, View};
 use crate::texture::bump;
 use crate::texture::image::Image;
 use core::ops::RangeInclusive;
+
+mod seen;
+use seen::Lobes;
+pub use seen::Seen;
 
 /// The most parts of a material.
 pub const MOST_PARTS: usize = 4;
@@ -89,26 +93,15 @@ impl<R: Real> Resolved<R> {
         f
     }
 
-    fn sample(&self, wo: Vector<R>, [choice, u, v]: [R; 3]) -> Option<Vector<R>> {
-        let share = R::from_f64(if self.scatter.is_some() { SCATTERED } else { 0.0 });
-        if choice.lt(share).any() {
-            return Some(sampling::cosine_hemisphere([u, v]));
-        }
-        let choice = (choice - share) / (R::ONE - share);
-        Some(sampling::sample(self.layers(), self.model, wo, [choice, u, v])?.wi)
-    }
-
-    fn pdf(&self, wi: Vector<R>, wo: Vector<R>) -> R {
-        let lobes = sampling::pdf(self.layers(), self.model, wi, wo);
-        if self.scatter.is_none() {
-            return lobes;
-        }
-        let share = R::from_f64(SCATTERED);
-        lobes * (R::ONE - share) + wi.z.max(R::ZERO) * R::FRAC_1_PI * share
+    #[inline(always)]
+    fn facing(&self, wo: Vector<R>) -> Lobes<R> {
+        let even = R::from_f64(if self.scatter.is_some() { SCATTERED } else { 0.0 });
+        Lobes::Layers { view: View::new(self.layers(), self.model, wo), even }
     }
 }
 
 impl<'a, R: Real> Spot<'a, R> {
+    #[inline(always)]
     pub(crate) fn new(material: &'a Material, point: &Point<R>) -> Self {
         let mut left = R::ONE;
         let mut parts = [const { None }; MOST_PARTS];
@@ -146,31 +139,24 @@ impl<'a, R: Real> Spot<'a, R> {
         sum
     }
 
-    /// A direction `wi` for a view, drawn about in proportion to [`Spot::reflected`], and its density.
-    ///
-    /// `u`: four independent numbers in [0, 1). The first chooses the part. None where the numbers lead to no direction; such a
-    /// sample counts as 0.
+    /// The spot seen from a direction, prepared for any number of samples and densities. See [`Seen`].
+    #[inline(always)]
+    pub fn facing(&self, wo: Vector<R>) -> Seen<'_, 'a, R> {
+        let mut lobes = [const { None }; MOST_PARTS];
+        for (lobes, part) in lobes.iter_mut().zip(&self.parts) {
+            *lobes = part.as_ref().and_then(|part| part.facing(wo));
+        }
+        Seen { spot: self, wo, lobes }
+    }
+
+    /// A direction `wi` for a view, drawn about in proportion to [`Spot::reflected`], and its density. See [`Seen::sample`].
     pub fn sample(&self, wo: Vector<R>, u: [R; 4]) -> Option<Sample<R>> {
-        let [choice, u @ ..] = u;
-        let mut rest = choice;
-        let chosen = self.shares().find(|part| {
-            let here = rest.lt(part.share).any();
-            rest = rest - part.share;
-            here
-        });
-        // Shares add up to 1 but for rounding.
-        let part = chosen.or_else(|| self.shares().last())?;
-        let wi = part.sample(wo, u)?;
-        let pdf = self.pdf(wi, wo);
-        pdf.gt(R::ZERO).all().then_some(Sample { wi, pdf })
+        self.facing(wo).sample(u)
     }
 
     /// The density in sr⁻¹ with which [`Spot::sample`] draws `wi` for the view `wo`. 0 where either is at or below the horizon.
     pub fn pdf(&self, wi: Vector<R>, wo: Vector<R>) -> R {
-        if !wi.z.min(wo.z).gt(R::ZERO).any() {
-            return R::ZERO;
-        }
-        self.shares().fold(R::ZERO, |sum, part| sum + part.share * part.pdf(wi, wo))
+        self.facing(wo).pdf(wi)
     }
 
     /// What of a blurred environment a view sees, without sampling it: a lobe for each interface, a cosine for a diffuse base.
@@ -228,34 +214,15 @@ impl<'a, R: Real> Share<'a, R> {
         core::array::from_fn(|c| f[c] * self.reflectivity[c] * cosine)
     }
 
-    /// A direction above the horizon; none for a view from under the part's own.
-    fn sample(&self, wo: Vector<R>, u: [R; 3]) -> Option<Vector<R>> {
+    /// What it draws for a view; nothing for one from under its own horizon.
+    #[inline(always)]
+    fn facing(&self, wo: Vector<R>) -> Option<Lobes<R>> {
         let wo = self.to_own(wo);
-        if !wo.z.gt(R::ZERO).any() {
-            return None;
-        }
-        let wi = match &self.body {
-            SpotBody::Layers(layers) => layers.sample(wo, u)?,
-            SpotBody::Brushed { metal, turn: (cosine, sine) } => {
-                let wi = metal.sample(turned(wo, (*cosine, *sine)), u)?.wi;
-                turned(wi, (*cosine, -*sine))
-            }
-            SpotBody::Whole(stack) => stack.sample(wo.cast(), u.map(R::to_f64))?.wi.cast(),
-        };
-        let wi = self.to_surface(wi);
-        wi.z.gt(R::ZERO).all().then_some(wi)
-    }
-
-    fn pdf(&self, wi: Vector<R>, wo: Vector<R>) -> R {
-        let (wi, wo) = (self.to_own(wi), self.to_own(wo));
-        if !wi.z.min(wo.z).gt(R::ZERO).any() {
-            return R::ZERO;
-        }
-        match &self.body {
-            SpotBody::Layers(layers) => layers.pdf(wi, wo),
-            SpotBody::Brushed { metal, turn } => metal.pdf(turned(wi, *turn), turned(wo, *turn)),
-            SpotBody::Whole(stack) => R::from_f64(stack.pdf(wi.cast(), wo.cast())),
-        }
+        wo.z.gt(R::ZERO).any().then(|| match &self.body {
+            SpotBody::Layers(layers) => layers.facing(wo),
+            SpotBody::Brushed { metal, turn } => Lobes::Brushed { metal: *metal, turn: *turn, wo: turned(wo, *turn) },
+            SpotBody::Whole(stack) => Lobes::Whole(stack.facing(wo.cast::<f64>())),
+        })
     }
 
     fn mirrored(&self, wo: Vector<R>, visit: &mut impl FnMut(Mirror<R>)) {

@@ -7,7 +7,7 @@ use super::Number;
 use crate::frame::Vector;
 use crate::layered::Stack;
 use crate::material::finish::Body;
-use crate::material::{Colour, Material, Part, Point, Spot};
+use crate::material::{Colour, Material, Part, Point, Seen, Spot};
 use crate::plan::Plan;
 use crate::sampling::{Sample, View, Views};
 
@@ -61,7 +61,7 @@ impl<R: Number> Local<'_, R> {
     pub fn facing(&self, wo: Vector<R>) -> Facing<'_, R> {
         match self {
             Local::Whole(plan, views) => Facing::Whole(plan, views.facing(wo), wo),
-            Local::Spot(spot) => Facing::Spot(spot, wo),
+            Local::Spot(spot) => Facing::Spot(spot.facing(wo)),
         }
     }
 }
@@ -72,7 +72,7 @@ pub enum Facing<'a, R> {
     /// A stack: its plan and its lobes.
     Whole(&'a Plan<3>, View<R>, Vector<R>),
     /// Anything else.
-    Spot(&'a Spot<'a, R>, Vector<R>),
+    Spot(Seen<'a, 'a, R>),
 }
 
 impl<R: Number> Facing<'_, R> {
@@ -81,7 +81,7 @@ impl<R: Number> Facing<'_, R> {
     pub fn reflected(&self, wi: Vector<R>) -> [R; 3] {
         match self {
             Facing::Whole(plan, _, wo) => plan.evaluate(wi, *wo).map(|f| f * wi.z.max(R::ZERO)),
-            Facing::Spot(spot, wo) => spot.reflected(wi, *wo),
+            Facing::Spot(seen) => seen.reflected(wi),
         }
     }
 
@@ -90,7 +90,7 @@ impl<R: Number> Facing<'_, R> {
     pub fn sample(&self, u: [R; 4]) -> Option<Sample<R>> {
         match self {
             Facing::Whole(_, view, _) => view.sample([u[1], u[2], u[3]]),
-            Facing::Spot(spot, wo) => spot.sample(*wo, u),
+            Facing::Spot(seen) => seen.sample(u),
         }
     }
 
@@ -99,7 +99,7 @@ impl<R: Number> Facing<'_, R> {
     pub fn pdf(&self, wi: Vector<R>) -> R {
         match self {
             Facing::Whole(_, view, _) => view.pdf(wi),
-            Facing::Spot(spot, wo) => spot.pdf(wi, *wo),
+            Facing::Spot(seen) => seen.pdf(wi),
         }
     }
 }

@@ -103,6 +103,13 @@ impl<R: Real> View<R> {
     /// [`View::sample`], with density 0 where there is none.
     #[inline(always)]
     pub(crate) fn draw(&self, u: [R; 3]) -> Sample<R> {
+        let wi = self.direction(u);
+        Sample { wi, pdf: self.pdf(wi) }
+    }
+
+    /// The direction of a sample, before it is known whether it leaves the stack; a vector of length 0 where there is none.
+    #[inline(always)]
+    pub(crate) fn direction(&self, u: [R; 3]) -> Vector<R> {
         let spreads = u[0].lt(self.even);
         let mut wi = Vector::default();
         let mut pending = !spreads;
@@ -122,7 +129,7 @@ impl<R: Real> View<R> {
         if spreads.any() {
             wi = Vector::select(spreads, cosine_hemisphere([u[1], u[2]]), wi);
         }
-        Sample { wi, pdf: self.pdf(wi) }
+        wi
     }
 }
 

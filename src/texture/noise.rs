@@ -158,14 +158,7 @@ impl<R: Real> Cell<R> {
         let cell = p.map(R::floor);
         // Just below a whole number the difference rounds to 1; of an infinity it is NaN, which becomes 0.
         let share = core::array::from_fn(|i| (p[i] - cell[i]).saturate());
-        let corners = R::at_cell(cell, |[x, y, z]| {
-            let edges: [[f64; 3]; 8] = core::array::from_fn(|corner| {
-                let step = |axis: u32| (corner as u32 >> axis) & 1;
-                edge([x, y, z].map(i32::cast_unsigned), [0, 1, 2].map(step), seed)
-            });
-            core::array::from_fn(|i| edges[i / 3][i % 3])
-        });
-        Cell { share, corners }
+        Cell { share, corners: R::at_cell(cell, |cell| gradients(cell, seed)) }
     }
 
     /// The x, y and z of the gradients at the eight corners.
@@ -186,19 +179,43 @@ impl<R: Real> Cell<R> {
     }
 }
 
-/// The gradient at a corner of a cell: to one of the twelve edges of the cube [−1, 1]³.
+/// The gradients at the corners of a cell.
 #[inline(always)]
-fn edge(cell: [u32; 3], step: [u32; 3], seed: u32) -> [f64; 3] {
-    let place = [0, 1, 2].map(|axis: usize| cell[axis].wrapping_add(step[axis]));
-    let [word, ..] = random_words([place[0], place[1], place[2], seed]);
-    let which = ((word >> 16) * 12) >> 16;
-    let (s, t) = (1.0 - 2.0 * f64::from(which & 1), 1.0 - f64::from(which & 2));
-    match which >> 2 {
-        0 => [0.0, s, t],
-        1 => [s, 0.0, t],
-        _ => [s, t, 0.0],
+fn gradients(cell: [i32; 3], seed: u32) -> [f64; 24] {
+    let [x, y, z] = cell.map(i32::cast_unsigned);
+    // All hashes before the first lookup: the compiler then takes several at once.
+    let mut words = [0; 8];
+    for corner in 0..8u32 {
+        let [dx, dy, dz] = [corner & 1, corner >> 1 & 1, corner >> 2];
+        let place = [x.wrapping_add(dx), y.wrapping_add(dy), z.wrapping_add(dz), seed];
+        [words[corner as usize], ..] = random_words(place);
     }
+    let mut gradients = [0.0; 24];
+    for corner in 0..8 {
+        // In [0, 12).
+        let edge = EDGES[((words[corner] >> 16) * 12 >> 16) as usize];
+        for axis in 0..3 {
+            gradients[3 * corner + axis] = f64::from(edge[axis]);
+        }
+    }
+    gradients
 }
+
+/// The directions to the edges of the cube [−1, 1]³.
+const EDGES: [[f32; 3]; 12] = [
+    [0.0, 1.0, 1.0],
+    [0.0, -1.0, 1.0],
+    [0.0, 1.0, -1.0],
+    [0.0, -1.0, -1.0],
+    [1.0, 0.0, 1.0],
+    [-1.0, 0.0, 1.0],
+    [1.0, 0.0, -1.0],
+    [-1.0, 0.0, -1.0],
+    [1.0, 1.0, 0.0],
+    [-1.0, 1.0, 0.0],
+    [1.0, -1.0, 0.0],
+    [-1.0, -1.0, 0.0],
+];
 
 /// 6t⁵ − 15t⁴ + 10t³.
 #[inline(always)]

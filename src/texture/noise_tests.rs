@@ -21,7 +21,7 @@ fn points(count: u32, size: f64) -> impl Iterator<Item = Vector<f64>> {
 
 /// The gradient at a lattice point, from the hash itself.
 fn corner(x: i32, y: i32, z: i32, seed: u32) -> Vector<f64> {
-    let [x, y, z] = edge([x, y, z].map(i32::cast_unsigned), [0; 3], seed);
+    let [x, y, z, ..] = gradients([x, y, z], seed);
     point(x, y, z)
 }
 
