@@ -161,8 +161,8 @@ impl<'a, R: Real> Spot<'a, R> {
 
     /// What of a blurred environment a view sees, without sampling it: a lobe for each interface, a cosine for a diffuse base.
     ///
-    /// Each interface adds F·T²·a² of the environment in the mirror direction, blurred by its α times the index above it (what
-    /// refraction widens a lobe by at the normal). A diffuse base adds ρ·T(V)·T̄·a/n² of the irradiance; T̄ is T at 60°, which is within
+    /// Each interface adds F·T²·a² of the environment in the mirror direction, less what its facets mask and the coats above reflect back down
+    /// (fitted, within .06 of the albedo), blurred by its α times the index above it (what refraction widens a lobe by at the normal). A diffuse base adds ρ·T(V)·T̄·a/n² of the irradiance; T̄ is T at 60°, which is within
     /// 1 % of the mean transmittance for n from 1.2 to 2. Under [`Model::Coupled`] and [`Model::Walk`] ρ is what the base and its coats make of it
     /// between them, ρ/(1 − ρ·r_i). Under [`Model::Elek`] only the upper interface reflects the environment, as
     /// the documents have it (Elek 2010, Algorithm 1, lines 28–29). The documents' diffuse term ([`Layers::scatter`]) adds (1 − σ)·(1 − F) of the
@@ -172,7 +172,7 @@ impl<'a, R: Real> Spot<'a, R> {
     /// the mirror direction. So the lobe of a brushed metal is blurred by √(α_x·α_y) all around and does not stretch across the grooves; rough lobes
     /// keep their place and width at grazing; flakes do not sparkle; an Oren–Nayar base counts as Lambert's; `weidlich_wilkie` keeps the
     /// books of [`Model::Conserving`]; and of the light that bounces between interfaces only that over a diffuse base is there.
-    /// A lobe keeps all of F·T², without what facets mask and coats reflect back down: rough metals are too bright, under coats the more.
+    /// The lobe of a brushed metal keeps all of F, without what its facets mask.
     pub fn mirrored(&self, wo: Vector<R>, visit: &mut impl FnMut(Mirror<R>)) {
         for part in self.shares() {
             part.mirrored(wo, visit);

@@ -225,9 +225,9 @@ impl Writer {
             density = format!("0.5 * {density} + 0.5 * max(wi.z, 0.0) * brdf::sampling::frac_pi");
         }
         self.reflect(index, [f, &drawn, &density], relief);
-        let seen = if model == Model::Elek { 1 } else { count };
-        for position in 0..seen {
-            self.mirrors.push((index, format!("_layer_mirror({first}u, {position}u, wo)")));
+        let printed = model == Model::Elek;
+        for position in 0..if printed { 1 } else { count } {
+            self.mirrors.push((index, format!("_layer_mirror({first}u, {position}u, {printed}, wo)")));
         }
         self.layers += count;
     }

@@ -77,13 +77,33 @@ fn _one_way(layer: brdf::layered::Layer, cosine: f32) -> vec3f {
         brdf::absorption::transmittance(layer.sigma.z, half_thickness, cosine, cosine));
 }
 
-// The lobe or the cosine of the layer at `at` of those from `first` on.
-fn _layer_mirror(first: u32, at: u32, wo: vec3f) -> Mirror {
+// The share of a normal distribution within x of its middle, within .7 %.
+fn _inside(x: f32) -> f32 {
+    return sqrt(max(1.0 - exp(max(-1.27323954473516268 * x * x, -80.0)), 0.0));
+}
+
+// What of a lobe leaves the stack, and how much of it is far from the mirror direction; `critical` is the sine of total reflection.
+fn _left(view: vec3f, alpha: f32, critical: f32) -> vec2f {
+    let cosine = sqrt((1.0 - critical) * (1.0 + critical));
+    let sine = sqrt(dot(view.xy, view.xy));
+    let upright = select(1.0, view.z, view.z > 0.0);
+    let scale = 1.0 / (alpha * (cosine + upright));
+    let near = max(critical - sine, 0.0) * scale + 0.5 * alpha * sine / upright;
+    let along = 0.5 * (_inside(near) + _inside((critical + sine) * scale));
+    let across = _inside(0.81 * critical * scale);
+    let unmasked = 1.0 - 0.27 * alpha * alpha * upright;
+    let apart = max(upright - cosine, 1e-6);
+    return vec2f(along * across * unmasked, 1.0 - exp(max(-alpha / (14.0 * apart), -80.0)));
+}
+
+// The lobe or the cosine of the layer at `at` of those from `first` on; as printed it keeps all of its F.
+fn _layer_mirror(first: u32, at: u32, printed: bool, wo: vec3f) -> Mirror {
     var seen = vec3f(1.0, 1.0, 1.0);
     var lit = vec3f(1.0, 1.0, 1.0);
     var view = wo;
     var light = vec3f(0.866025403784438647, 0.0, 0.5);
     var n_above = 1.0;
+    var least = 1.0;
     for (var position = 0u; position < at; position++) {
         let layer = spot_layers[first + position];
         let at_view = _terms_of(view.z, layer, n_above);
@@ -97,13 +117,16 @@ fn _layer_mirror(first: u32, at: u32, wo: vec3f) -> Mirror {
         seen *= at_view[1] * _one_way(layer, view.z);
         lit *= at_light[1] * _one_way(layer, light.z);
         n_above = layer.n.x;
+        least = min(least, n_above);
     }
     let layer = spot_layers[first + at];
     if layer.kind == brdf::layered::diffuse_base {
         return Mirror(vec3f(0.0, 0.0, 1.0), 1.0, layer.albedo * seen * lit / (n_above * n_above), true);
     }
     let terms = _terms_of(view.z, layer, n_above);
-    return Mirror(_mirror_of(wo), min(layer.alpha * n_above, 1.0), terms[0] * seen * seen, false);
+    let leaves = select(_left(view, layer.alpha, min(least / n_above, 1.0)), vec2f(1.0, 0.0), printed);
+    let weight = terms[0] * seen * (seen + (lit - seen) * leaves.y) * leaves.x;
+    return Mirror(_mirror_of(wo), min(layer.alpha * n_above, 1.0), weight, false);
 }
 
 // The cosine of the documents' diffuse term over the interface at `first`: F at the half vector of the view and the normal.
