@@ -313,6 +313,23 @@ fn the_machine_has_peaks() {
 }
 
 #[test]
+fn paths_a_second_are_measured() {
+    let output = brdf(&["bench", "offline", "--quick", "--json", "clear_coat_over_copper", "coated_ceramic"], "");
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let rows = json.as_array().expect("a list");
+    assert_eq!(rows.iter().map(|row| &row["name"]).collect::<Vec<_>>(), ["clear_coat_over_copper", "coated_ceramic"]);
+    for row in rows {
+        positive(&row["samples_per_second"]);
+        positive(&row["path_by_path_samples_per_second"]);
+    }
+    assert!(
+        last_error(&brdf(&["bench", "offline", "copperr"], "")).contains("copperr is no built-in stack or material")
+    );
+    assert!(last_error(&brdf(&["bench", "offline", "--environment", "fog"], "")).contains("sky, studio, furnace"));
+}
+
+#[test]
 fn terms_are_measured_and_drawn() {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("bench");
     let pictures = folder.to_str().expect("a path in UTF-8");
