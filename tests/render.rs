@@ -570,7 +570,11 @@ fn broken_environments_are_refused() {
     assert!(Environment::read(&text).expect_err("text").contains("text.hdr: "));
     assert!(Environment::read(&folder.join("absent.hdr")).expect_err("absent").contains("absent.hdr: "));
     for name in ["good.exr", "good.hdr"] {
-        assert!(Environment::read(&save(name, 8, 4, 2.0)).expect(name).shines());
+        let path = save(name, 8, 4, 2.0);
+        assert!(Environment::read(&path).expect(name).shines());
+        let capitals = folder.join(name.to_uppercase());
+        std::fs::rename(&path, &capitals).unwrap();
+        assert!(Environment::read(&capitals).expect(name).shines());
     }
     let _ = std::fs::remove_dir_all(&folder);
 }
