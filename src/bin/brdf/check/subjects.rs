@@ -260,10 +260,10 @@ impl Reading {
     /// A built-in stack or material.
     fn load_built_in(&self, name: &str) -> Result<Loaded, String> {
         match material::varying(name)? {
-            None => self.from_stack(material::load(name, self.change())?),
+            None => self.plain(material::load(name, self.change())?),
             Some(_) => {
                 let family = MaterialFamily::built_in(name).ok_or_else(|| format!("{name} cannot be made"))?;
-                self.from_family(name, family, None)
+                self.varying(name, family, None)
             }
         }
     }
@@ -271,18 +271,18 @@ impl Reading {
     /// A stack or a material, from the text of a file of TOML.
     fn load_text(&self, name: &str, text: &str) -> Result<Loaded, String> {
         let Some(file) = material::described(name, text)? else {
-            return self.from_stack(material::read(name, text, self.change())?);
+            return self.plain(material::read(name, text, self.change())?);
         };
         if let Some(part) = material::walking_part(&file.material) {
             return Err(format!("{name}: part[{part}]: {NOISE}; choose `coupled`"));
         }
         let lack = brdf::wgsl::material(&file.material).err().map(|error| format!("no adapter runs it: {error}"));
         let called = file.name.map(|called| format!("{called} of {name}"));
-        self.from_family(name, MaterialFamily::new(called.unwrap_or_else(|| name.to_owned()), &file.material), lack)
+        self.varying(name, MaterialFamily::new(called.unwrap_or_else(|| name.to_owned()), &file.material), lack)
     }
 
     /// A material, and why no adapter runs it, if none does.
-    fn from_family(&self, name: &str, family: MaterialFamily, lack: Option<String>) -> Result<Loaded, String> {
+    fn varying(&self, name: &str, family: MaterialFamily, lack: Option<String>) -> Result<Loaded, String> {
         let option = self.model.map(|_| "--model").or(self.widths.map(|_| "--widths"));
         if let Some(option) = option {
             return Err(format!("{name}: {option} is about stacks, and this material says itself what its layers do"));
@@ -301,7 +301,8 @@ impl Reading {
         })
     }
 
-    fn from_stack(&self, material: Material) -> Result<Loaded, String> {
+    /// A stack, which has no parameters.
+    fn plain(&self, material: Material) -> Result<Loaded, String> {
         if material.stack.model() == Model::Walk {
             return Err(format!("{}: {NOISE}; use --model coupled, or `brdf bench layered`", material.name));
         }
