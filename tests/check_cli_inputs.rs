@@ -240,3 +240,84 @@ fn measurements_are_judged_and_broken_ones_refused_by_offset() {
     let said = complaint(&check(&at, &["grey.binary"]));
     assert!(said.contains("34992012"), "{said}");
 }
+
+/// Whether it ends; what waits for a pipe never does.
+#[cfg(unix)]
+fn ended(mut child: std::process::Child) -> Output {
+    for _ in 0..1200 {
+        if child.try_wait().expect("a child").is_some() {
+            return child.wait_with_output().expect("ended");
+        }
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    child.kill().expect("killed");
+    panic!("it waits");
+}
+
+#[cfg(unix)]
+fn piped(folder: &Path, arguments: &[&str], input: &str) -> Output {
+    use std::process::Stdio;
+    let mut child = Command::new(env!("CARGO_BIN_EXE_brdf"))
+        .args(["check", "--no-twins", "--budget", "20000"])
+        .args(arguments)
+        .current_dir(folder)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("brdf runs");
+    // What is refused may not read it.
+    let _ = child.stdin.take().expect("a pipe").write_all(input.as_bytes());
+    ended(child)
+}
+
+#[test]
+#[cfg(unix)]
+fn pipes_are_read_once_and_never_waited_for() {
+    let at = folder("pipes");
+    let layer = "layer]]\ninterface = { diffuse = { albedo = 0.5 } }\n";
+    let (stack, material) = (format!("[[{layer}"), format!("[[part]]\n[[part.{layer}"));
+    for (text, kind) in [(&stack, "conserving"), (&material, "material")] {
+        let judged = piped(&at, &["/dev/stdin", "--json"], text);
+        assert_eq!((code(&judged), &report(&judged)["kind"]), (0, &kind.into()), "{judged:?}");
+    }
+    let shader = piped(&at, &["/dev/stdin", "--fn", "lambert"], WGSL);
+    let line = complaint(&shader);
+    assert!(line.contains("/dev/stdin: ") && line.contains("name it by --wgsl") && line.lines().count() == 1, "{line}");
+    let shader = piped(&at, &["--wgsl", "/dev/stdin", "--fn", "lambert"], WGSL);
+    assert_eq!(code(&shader), 0, "{shader:?}");
+
+    fs::write(at.join("stack.toml"), &stack).expect("a file");
+    let made = Command::new("mkfifo").arg("pipe").current_dir(&at).status().expect("mkfifo runs");
+    assert!(made.success());
+    for option in ["--html", "--junit"] {
+        let line = complaint(&piped(&at, &["stack.toml", option, "pipe"], ""));
+        assert!(line.contains("pipe: ") && line.contains("named pipe") && line.lines().count() == 1, "{line}");
+        let said = piped(&at, &["stack.toml", option, "/dev/stdout"], "");
+        assert!(code(&said) == 0 && text(&said.stdout).starts_with('<'), "{said:?}");
+        assert_eq!(code(&piped(&at, &["stack.toml", option, "/dev/null"], "")), 0);
+    }
+    let whole = piped(&at, &[".", "--json"], "");
+    assert_eq!((code(&whole), &report(&whole)["kind"]), (0, &"conserving".into()), "{whole:?}");
+}
+
+/// What an adapter refuses is no reason to be silent about it.
+#[test]
+fn an_adapter_that_is_left_out_is_told() {
+    let at = folder("large");
+    let side = 4096;
+    image::GrayImage::from_pixel(side, side, image::Luma([128])).save(at.join("large.png")).expect("a file");
+    let text = "[[part]]\nlayer = [{ interface = { diffuse = { albedo = { image = \"large.png\" }, sigma = 0 } } }]\n";
+    fs::write(at.join("large.toml"), text).expect("a file");
+    let Ok(gpu) = brdf::gpu::Gpu::open(None) else { return };
+    let judged = Command::new(env!("CARGO_BIN_EXE_brdf"))
+        .args(["check", "large.toml", "--budget", "20000", "--json"])
+        .current_dir(&at)
+        .output()
+        .expect("brdf runs");
+    let notes = report(&judged)["notes"].to_string();
+    // 16 bytes a texel.
+    let refused = gpu.device().limits().max_storage_buffer_binding_size < 16 * u64::from(side * side);
+    let said = notes.contains("the adapter is left out: the material's images (of 1, the largest 4096×4096 texels)");
+    assert_eq!(said, refused, "{notes}");
+}

@@ -85,19 +85,28 @@ impl MaterialFamily {
         self.fault.get().map(String::as_str)
     }
 
-    /// f of pairs of directions on an adapter, three numbers a pair; nothing where the material has no twin or the adapter refuses it.
+    /// f of pairs of directions on an adapter, three numbers a pair.
+    ///
+    /// # Errors
+    /// Where the values make no material, where it has no twin, and what the adapter refuses.
     #[cfg(feature = "gpu")]
     pub fn evaluate_on(
         &self,
         gpu: &crate::gpu::Gpu,
         values: &[f64],
         pairs: &[(Vector<f32>, Vector<f32>)],
-    ) -> Option<Vec<f32>> {
-        let material = self.material(values)?;
-        let texels: Vec<f32> = material.images().iter().flat_map(|image| image.texels()).flatten().collect();
-        let bindings = (!texels.is_empty()).then_some(TEXELS);
-        let source = crate::wgsl::link(&format!("{ENTRY}\n{}", crate::wgsl::material(&material).ok()?)).ok()?;
-        let kernel = crate::gpu::Kernel::new(gpu, &source, "judged_value", bindings).ok()?;
+    ) -> Result<Vec<f32>, String> {
+        let material = self.material(values).ok_or_else(|| self.error().unwrap_or_default().to_owned())?;
+        let bytes = match material.images() {
+            [] => None,
+            images => Some(crate::gpu::texel_bytes(gpu, images).map_err(|error| error.to_string())?),
+        };
+        let storage: Vec<&[u8]> = bytes.iter().map(Vec::as_slice).collect();
+        let twin = crate::wgsl::material(&material).map_err(|error| error.to_string())?;
+        let source = crate::wgsl::link(&format!("{ENTRY}\n{twin}")).map_err(|error| error.to_string())?;
+        let bindings = bytes.is_some().then_some(TEXELS);
+        let kernel =
+            crate::gpu::Kernel::new(gpu, &source, "judged_value", bindings).map_err(|error| error.to_string())?;
         let Point { position, tangent, bitangent, uv, uv_per_length, occlusion, distance, footprint } =
             self.point(values).cast::<f32>();
         let vector = |v: Vector<f32>| [v.x, v.y, v.z];
@@ -105,10 +114,9 @@ impl MaterialFamily {
             let directions = [position, tangent, bitangent, wi, wo].map(vector).concat();
             directions.into_iter().chain(uv).chain(uv_per_length).chain([occlusion, distance, footprint])
         });
-        let storage: Vec<&[u8]> = if texels.is_empty() { Vec::new() } else { vec![bytemuck::cast_slice(&texels)] };
-        let reflected = kernel.run_f32(&rows.collect::<Vec<_>>(), &storage).ok()?;
+        let reflected = kernel.run_f32(&rows.collect::<Vec<_>>(), &storage).map_err(|error| error.to_string())?;
         let cosines = pairs.iter().flat_map(|(wi, _)| [if wi.z > 0.0 { wi.z } else { 1.0 }; 3]);
-        Some(reflected.into_iter().zip(cosines).map(|(reflected, cosine)| reflected / cosine).collect())
+        Ok(reflected.into_iter().zip(cosines).map(|(reflected, cosine)| reflected / cosine).collect())
     }
 
     /// The point of these values.

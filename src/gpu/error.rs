@@ -31,6 +31,17 @@ pub enum GpuError {
         /// What does not fit, and what would.
         reason: String,
     },
+    /// More than the device binds at once.
+    TooLarge {
+        /// What it is, in the plural.
+        what: String,
+        /// The adapter, as it displays.
+        adapter: String,
+        /// How many bytes it takes.
+        bytes: u64,
+        /// How many the device binds at most.
+        most: u64,
+    },
     /// The device's validation refused the kernel or a call.
     Rejected {
         /// The adapter, as it displays.
@@ -85,6 +96,10 @@ impl fmt::Display for GpuError {
             GpuError::Device { adapter, reason } => write!(f, "{adapter} does not open: {reason}"),
             GpuError::Shader(error) => error.fmt(f),
             GpuError::Arguments { function, reason } => write!(f, "`{function}`: {reason}"),
+            GpuError::TooLarge { what, adapter, bytes, most } => {
+                let [bytes, most] = [bytes, most].map(|bytes| *bytes as f64 / f64::from(1 << 20));
+                write!(f, "{what} take {bytes:.1} MiB and {adapter} binds {most:.1} MiB at most: use smaller ones")
+            }
             GpuError::Rejected { adapter, reason } => write!(f, "{adapter} refuses: {reason}"),
             GpuError::OutOfMemory { adapter } => {
                 write!(f, "{adapter} is out of memory: run fewer rows at once (`Kernel::with_rows_per_dispatch`)")
@@ -112,6 +127,14 @@ impl From<ShaderError> for GpuError {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_too_large_says_by_how_much() {
+        let (what, adapter) = ("the images".to_owned(), "chip [Vulkan]".to_owned());
+        let error = GpuError::TooLarge { what, adapter, bytes: 256 << 20, most: (1 << 27) - 1 };
+        let said = "the images take 256.0 MiB and chip [Vulkan] binds 128.0 MiB at most: use smaller ones";
+        assert_eq!(error.to_string(), said);
+    }
 
     #[test]
     fn a_missing_adapter_says_what_to_do() {

@@ -1,8 +1,10 @@
 //! Stacks in the storage buffers that the twins of [`crate::layered`] read, and texels in those of [`crate::table`] and
 //! [`crate::texture`].
 
+use super::{Gpu, GpuError};
 use crate::layered::{BufferLayer, Coupled, Layer, Model, Stack};
 use crate::real::Real;
+use crate::texture::image::Image;
 
 /// The WGSL that binds a storage buffer of layers and supplies `stack_layer` to the module `layered`.
 pub const STACK_BINDINGS: &str = "\
@@ -54,6 +56,26 @@ fn ramp_stop(index: u32) -> vec4f {
     return ramp_stops[index];
 }
 ";
+
+/// The bytes of a texel: four numbers, however many channels the image has.
+const TEXEL: u64 = 16;
+
+/// The bytes of a storage buffer that holds the texels of these images, one image after another; of one texel where there are none.
+///
+/// # Errors
+/// [`GpuError::TooLarge`] where the device binds less.
+pub fn texel_bytes(gpu: &Gpu, images: &[Image]) -> Result<Vec<u8>, GpuError> {
+    let size = |image: &Image| u64::from(image.width()) * u64::from(image.height());
+    gpu.bindable(TEXEL * images.iter().map(size).sum::<u64>(), || {
+        let largest = images.iter().max_by_key(|image| size(image));
+        let [width, height] = largest.map_or([0; 2], |image| [image.width(), image.height()]);
+        format!("the material's images (of {}, the largest {width}×{height} texels)", images.len())
+    })?;
+    let mut texels: Vec<[f32; 4]> = images.iter().flat_map(Image::texels).collect();
+    // An adapter refuses an empty buffer.
+    texels.resize(texels.len().max(1), [0.0; 4]);
+    Ok(bytemuck::cast_slice(&texels).to_vec())
+}
 
 /// The bytes of a storage buffer that holds these layers.
 pub fn layer_bytes<'a>(layers: impl IntoIterator<Item = &'a Layer<f32, 3>>) -> Vec<u8> {

@@ -33,7 +33,7 @@ pub use error::GpuError;
 pub use kernel::Kernel;
 pub use layers::{
     DISTRIBUTION_BINDINGS, FRESNEL_BINDINGS, RAMP_BINDINGS, STACK_BINDINGS, StackBuffers, StackPlace, TABLE_BINDINGS,
-    TEXEL_BINDINGS, layer_bytes,
+    TEXEL_BINDINGS, layer_bytes, texel_bytes,
 };
 pub use policy::{Policy, policy};
 pub use rows::{columns, rows};
@@ -152,6 +152,16 @@ impl Gpu {
             Some(error) => Err(GpuError::Rejected { adapter: self.info.to_string(), reason: error.to_string() }),
             None => outcome,
         }
+    }
+
+    /// Refuses what is larger than the device binds at once.
+    pub(crate) fn bindable(&self, bytes: u64, what: impl FnOnce() -> String) -> Result<(), GpuError> {
+        let limits = self.device.limits();
+        let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        if bytes <= most {
+            return Ok(());
+        }
+        Err(GpuError::TooLarge { what: what(), adapter: self.info.to_string(), bytes, most })
     }
 
     fn lost(&self, reason: &str) -> GpuError {

@@ -11,6 +11,7 @@ use crate::real::Real;
 use crate::texture::image::Image;
 use crate::texture::{mask, noise, ramp::Ramp, scratch};
 use alloc::boxed::Box;
+use core::ops::RangeInclusive;
 
 /// A number that varies over a surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -116,6 +117,10 @@ impl Property {
     }
 }
 
+/// How many cells noise and scratches may have in a unit of length, and how often an image may repeat. Objects are about of size 1, and between
+/// 8192 and 16384 the numbers of f32 are 2⁻¹⁰ apart: finer cells would be made of fewer than a thousand of them.
+pub const FREQUENCY_RANGE: RangeInclusive<f64> = -1e4..=1e4;
+
 /// Fractal noise in the space of the object (Mihaylov, §4.3: amplitude, frequency, octaves).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
@@ -123,19 +128,21 @@ pub struct Noise {
     pub seed: u32,
     /// The amplitude of the first octave.
     pub amplitude: f64,
-    /// The cells of the first octave in a unit of length along each axis: unequal ones give streaks.
+    /// The cells of the first octave in a unit of length along each axis, in [`FREQUENCY_RANGE`]: unequal ones give streaks.
     pub frequency: [f64; 3],
     /// How many octaves are added, at most [`Noise::MOST_OCTAVES`].
     pub octaves: u32,
     /// The amplitude of an octave over that of the one before.
     pub gain: f64,
-    /// The frequency of an octave over that of the one before.
+    /// The frequency of an octave over that of the one before; the last has at most [`Noise::MOST_CELLS`].
     pub lacunarity: f64,
 }
 
 impl Noise {
     /// What is finer than this is finer than f32 resolves.
     pub const MOST_OCTAVES: u32 = 12;
+    /// The cells in a unit of length that the last octave may have: noise is defined as far as 2³¹ cells from the origin.
+    pub const MOST_CELLS: f64 = 2_147_483_648.0;
 
     /// Noise of one octave with `frequency` cells in a unit of length.
     pub const fn new(seed: u32, frequency: f64) -> Self {
@@ -153,7 +160,8 @@ impl Noise {
 pub struct Scratches {
     /// Which scratches: other seeds, other places.
     pub seed: u32,
-    /// The cells in a unit of length along each axis: a scratch is up to ¾ of a cell long. Unequal ones give scratches of one direction.
+    /// The cells in a unit of length along each axis, in [`FREQUENCY_RANGE`]: a scratch is up to ¾ of a cell long. Unequal ones give scratches
+    /// of one direction.
     pub frequency: [f64; 3],
     /// The share of cells with a scratch, in [0, 1].
     pub density: f64,
@@ -189,7 +197,7 @@ fn in_cells<R: Real>(point: &Point<R>, frequency: [f64; 3]) -> Vector<R> {
 pub struct Lookup {
     /// The index among the material's images.
     pub image: usize,
-    /// How often it repeats along u and v.
+    /// How often it repeats along u and v, in [`FREQUENCY_RANGE`].
     pub repeat: [f64; 2],
 }
 

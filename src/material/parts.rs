@@ -67,7 +67,8 @@ impl Material {
     /// # Errors
     ///
     /// Names the part, the layer, the key and what is wrong: no part or more than four; no layer or more than four; a diffuse base that is
-    /// not the last layer; a model without closed form over layers that vary; numbers that are not finite; octaves, layers of scratches,
+    /// not the last layer; a model without closed form over layers that vary; numbers that are not finite; noise, scratches and
+    /// images finer than [`FREQUENCY_RANGE`](super::field::FREQUENCY_RANGE); octaves, layers of scratches,
     /// images or channels that do not exist; more than [`MOST_TEXELS`](crate::texture::image::MOST_TEXELS) texels in all.
     ///
     /// What would create light or have no effect: `returns` without a Lambertian base under one clear coat of a constant index ≥ 1, or under

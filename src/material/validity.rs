@@ -1,6 +1,6 @@
 //! What parts must meet to make a material, and what is said of those that do not.
 
-use super::field::{Colour, Lookup, Noise, Property, Scalar, Scratches};
+use super::field::{Colour, FREQUENCY_RANGE, Lookup, Noise, Property, Scalar, Scratches};
 use super::finish::{Body, Boundary, Coat, Flakes, Layers, Relief, STEP_RANGE, STRENGTH_RANGE};
 use super::parts::{MaterialError, Part};
 use super::spot::MOST_LAYERS;
@@ -122,13 +122,16 @@ fn scalar_problem(scalar: &Scalar, images: &[Image]) -> Option<String> {
             let most = Noise::MOST_OCTAVES;
             let many = !(1..=most).contains(&octaves);
             finite(&[amplitude, x, y, z, gain, lacunarity])
+                .or_else(|| beyond("the frequency of a noise", &noise.frequency))
                 .or_else(|| many.then(|| format!("a noise has {octaves} octaves, it may have 1 to {most}")))
+                .or_else(|| too_fine(noise))
         }
         Scalar::Scratches(scratches) => {
             let Scratches { frequency: [x, y, z], density, width, layers, .. } = *scratches;
             let most = Scratches::MOST_LAYERS;
             let many = !(1..=most).contains(&layers);
             finite(&[x, y, z, density, width])
+                .or_else(|| beyond("the frequency of scratches", &scratches.frequency))
                 .or_else(|| negative("density", density))
                 .or_else(|| negative("width", width))
                 .or_else(|| many.then(|| format!("scratches have {layers} layers, they may have 1 to {most}")))
@@ -176,8 +179,25 @@ fn lookup_problem(lookup: &Lookup, images: &[Image]) -> Option<String> {
     if *image >= images.len() {
         return Some(format!("image {image} does not exist, the material has {}", images.len()));
     }
-    let bad = repeat.iter().find(|number| !number.is_finite());
-    bad.map(|number| format!("an image repeats {number} times, numbers are finite"))
+    beyond("the repetition of an image", repeat)
+}
+
+/// What is said of a number of cells in a unit of length that are too many.
+fn beyond(what: &str, frequency: &[f64]) -> Option<String> {
+    let (low, high) = (FREQUENCY_RANGE.start(), FREQUENCY_RANGE.end());
+    let bad = frequency.iter().find(|number| !FREQUENCY_RANGE.contains(number));
+    bad.map(|number| format!("{what} is {number:e}, it must be in [{low}, {high}]"))
+}
+
+/// What is said of a noise whose last octave is too fine.
+fn too_fine(noise: &Noise) -> Option<String> {
+    let Noise { frequency, lacunarity, octaves, .. } = noise;
+    let last = frequency.iter().fold(0.0f64, |most, x| most.max(x.abs()))
+        * lacunarity.abs().powf(f64::from(octaves.saturating_sub(1)));
+    (last > Noise::MOST_CELLS).then(|| {
+        let most = Noise::MOST_CELLS;
+        format!("the last octave of a noise has {last:e} cells in a unit of length, at most {most}: lower its lacunarity, octaves or frequency")
+    })
 }
 
 fn relief_problem(relief: &Relief, images: &[Image]) -> Option<String> {

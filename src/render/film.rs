@@ -158,9 +158,10 @@ pub fn writable(path: &Path) -> Result<(), String> {
     File::create(&partial).and_then(|_| std::fs::remove_file(&partial)).map_err(|error| place(&error))
 }
 
-/// The format that a name asks for.
+/// The format that a name asks for, in capitals too.
 fn format(path: &Path) -> Result<ImageFormat, String> {
-    match path.extension().and_then(|extension| extension.to_str()) {
+    let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
+    match extension.as_deref().and_then(|extension| extension.to_str()) {
         Some("png") => Ok(ImageFormat::Png),
         Some("exr") => Ok(ImageFormat::OpenExr),
         _ => Err(format!("{}: a picture is a .png or an .exr file", path.display())),
@@ -212,11 +213,13 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("brdf-film-{}", std::process::id()));
         std::fs::create_dir_all(&folder).expect("a folder");
         let film = film(&[[0.5, 1.5, 0.25]]);
-        for name in ["a.png", "a.exr"] {
-            assert_eq!(film.write(&folder.join(name), 0.0), Ok(usize::from(name == "a.png")));
+        for (name, clipped) in [("a.png", 1), ("a.exr", 0), ("B.PNG", 1), ("B.Exr", 0)] {
+            assert_eq!(film.write(&folder.join(name), 0.0), Ok(clipped), "{name}");
         }
-        let back = image::open(folder.join("a.exr")).expect("readable").into_rgb32f();
-        assert_eq!(back.get_pixel(0, 0).0, [0.5, 1.5, 0.25]);
+        for name in ["a.exr", "B.Exr"] {
+            let back = image::open(folder.join(name)).expect("readable").into_rgb32f();
+            assert_eq!(back.get_pixel(0, 0).0, [0.5, 1.5, 0.25]);
+        }
         assert!(film.write(&folder.join("a.bmp"), 0.0).is_err());
         assert!(film.write(&folder.join("none").join("a.png"), 0.0).is_err());
         assert!(writable(&folder.join("b.png")).is_ok() && writable(&folder.join("a.exr")).is_ok());
@@ -226,7 +229,7 @@ mod tests {
             assert!(error.contains(wrong) && error.lines().count() == 1, "{error}");
         }
         let names = std::fs::read_dir(&folder).expect("a folder").count();
-        assert_eq!(names, 3);
+        assert_eq!(names, 5);
         let _ = std::fs::remove_dir_all(&folder);
     }
 

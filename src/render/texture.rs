@@ -77,13 +77,20 @@ pub fn read_image(path: &Path, encoding: Encoding) -> Result<Image, String> {
 /// # Errors
 /// One line: the file, the line and key in it, and what is wrong or allowed there; of an image its own file.
 pub fn read_material(path: &Path) -> Result<MaterialFile, String> {
-    let place = |error: String| format!("{}: {error}", path.display());
-    let text = std::fs::read_to_string(path).map_err(|error| place(error.to_string()))?;
+    let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    parse_material(path, &text)
+}
+
+/// [`read_material`] of a text that was read: images are looked for beside `path`.
+///
+/// # Errors
+/// As [`read_material`].
+pub fn parse_material(path: &Path, text: &str) -> Result<MaterialFile, String> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let load = |request: crate::material::description::ImageRequest<'_>| {
         read_image(&folder.join(request.file), request.encoding)
     };
-    read_file(&text, load).map_err(|error| place(error.to_string()))
+    read_file(text, load).map_err(|error| format!("{}: {error}", path.display()))
 }
 
 #[cfg(test)]

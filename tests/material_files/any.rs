@@ -26,7 +26,10 @@ impl Chance {
         match self.below(if deep { 4 } else { 11 }) {
             0 => self.one(&["0.5", "0.3", "1"]).to_owned(),
             1 => self.one(&["'u'", "'x'", "'occlusion'", "'distance'"]).to_owned(),
-            2 => format!("{{ noise = {{ frequency = {}, octaves = {} }} }}", self.number(), self.below(12) + 1),
+            2 => {
+                let frequency = self.one(&["0.5", "0", "0.02", "-0.3", "1e4", "-1e4", "1e-30", "7.5"]);
+                format!("{{ noise = {{ frequency = {frequency}, octaves = {} }} }}", self.below(12) + 1)
+            }
             3 => "{ image = 'a.png', channel = 'g', repeat = [3, 0.5] }".to_owned(),
             4 => format!("{{ sum = [{}, {}] }}", self.scalar(depth + 1), self.scalar(depth + 1)),
             5 => format!("{{ product = [{}, {}] }}", self.scalar(depth + 1), self.number()),

@@ -2,9 +2,10 @@
 
 use super::point;
 use brdf::layered::{Model, Widths};
-use brdf::material::field::{Colour, Noise, Property, Scalar};
+use brdf::material::field::{Colour, Lookup, Noise, Property, Scalar, Scratches};
 use brdf::material::finish::{Body, BrushedMetal, Coat, Finish, Layers, Relief, STEEPEST};
-use brdf::material::{Material, Point, built_in};
+use brdf::material::{Material, Part, Point, built_in};
+use brdf::texture::image::Image;
 use brdf::{Vector, material};
 
 /// A field that is this number, but not a constant.
@@ -153,5 +154,30 @@ fn what_cannot_be_meant_is_refused() {
     for step in [1e-30, 1e-6, 1e7, f64::NAN] {
         let message = refused(relief(Scalar::Fractal(Noise::new(1, 2.0)), step));
         assert!(message.starts_with("part[0].relief: the step of a height is"), "{message}");
+    }
+}
+
+/// What is finer than the numbers that places are made of.
+#[test]
+fn cells_that_nothing_resolves_are_refused() {
+    let material = |cover| {
+        let part = |cover| Part { cover, finish: Finish::layers(vec![Coat::diffuse(0.5, 0.0)]) };
+        let image = Image::new(1, 1, 1, vec![0.5]).expect("valid");
+        Material::new(vec![part(Scalar::Constant(1.0)), part(cover)], vec![image])
+    };
+    let finest = Noise { lacunarity: 3.0, ..Noise::new(1, 1e4) }.octaves(12);
+    let lookup = |repeat| Scalar::Image(Lookup { image: 0, repeat: [1.0, repeat] }, 0);
+    for fine in [Scalar::Fractal(finest), Scalar::Scratches(Scratches::new(1, -1e4)), lookup(1e4)] {
+        assert!(material(fine).is_ok());
+    }
+    let octaves = Noise { lacunarity: 3.1, ..finest };
+    for (cover, says) in [
+        (Scalar::Fractal(Noise::new(1, 1e30)), "the frequency of a noise is 1e30, it must be in [-10000, 10000]"),
+        (Scalar::Ridged(octaves), "the last octave of a noise has 2.54"),
+        (Scalar::Scratches(Scratches::new(1, -2e4)), "the frequency of scratches is -2e4, it must be in"),
+        (lookup(1e9), "the repetition of an image is 1e9, it must be in"),
+    ] {
+        let message = material(cover).expect_err("too fine").to_string();
+        assert!(message.contains(says), "{message}");
     }
 }

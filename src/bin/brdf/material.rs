@@ -144,20 +144,27 @@ pub(crate) fn varying(name: &str) -> Result<Option<Varying>, String> {
     if built_in::by_name(name).is_some() {
         return Ok(Some(Varying::BuiltIn));
     }
-    let path = Path::new(name);
-    if !path.is_file() || !is_material_file(path)? {
+    if !Path::new(name).is_file() {
         return Ok(None);
     }
-    Ok(Some(Varying::File(Box::new(texture::read_material(path)?))))
+    let text = text_of(name)?;
+    Ok(described(name, &text)?.map(|file| Varying::File(Box::new(file))))
 }
 
-/// Whether a file describes a material, which has parts or is one that is built in, and no stack, which has layers of its own.
-fn is_material_file(path: &Path) -> Result<bool, String> {
-    let locate = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-    let text = std::fs::read_to_string(path).map_err(|error| locate(&error))?;
-    let node = Node::from_toml(&text).map_err(|error| locate(&error))?;
-    let Value::Table(entries) = &node.value else { return Ok(false) };
-    Ok(entries.iter().any(|(key, _)| matches!(key.as_str(), "part" | "material")))
+fn text_of(name: &str) -> Result<String, String> {
+    std::fs::read_to_string(name).map_err(|error| format!("{name}: {error}"))
+}
+
+/// The material that the text of a file describes; nothing where it is a stack.
+pub(crate) fn described(name: &str, text: &str) -> Result<Option<MaterialFile>, String> {
+    let node = Node::from_toml(text).map_err(|error| format!("{name}: {error}"))?;
+    is_material(&node).then(|| texture::parse_material(Path::new(name), text)).transpose()
+}
+
+/// Whether a tree is a material's, which has parts or is one that is built in, and no stack's, which has layers of its own.
+fn is_material(node: &Node) -> bool {
+    let Value::Table(entries) = &node.value else { return false };
+    entries.iter().any(|(key, _)| matches!(key.as_str(), "part" | "material"))
 }
 
 /// The built-in stack of this name, else the one in the stack file of this path.
@@ -165,23 +172,30 @@ pub(crate) fn load(name: &str, change: Change) -> Result<Material, String> {
     if let Some(stack) = stack::by_name(name) {
         return Ok(Material { name: name.to_owned(), stack: AnyStack::Three(stack).changed(change) });
     }
-    let varies = || {
-        format!(
-            "{name} is a material that varies over a surface, and a stack is wanted; `brdf check` judges it, `brdf render` shows it"
-        )
-    };
     if built_in::by_name(name).is_some() {
-        return Err(varies());
+        return Err(varies(name));
     }
     if !Path::new(name).exists() {
         return Err(format!("{name} is neither a built-in stack or material (see `brdf list`) nor a file"));
     }
-    let text = std::fs::read_to_string(name).map_err(|error| format!("{name}: {error}"))?;
+    read(name, &text_of(name)?, change)
+}
+
+/// The stack in the text of a file.
+pub(crate) fn read(name: &str, text: &str, change: Change) -> Result<Material, String> {
     let locate = |error: DescriptionError| format!("{name}: {error}");
-    let description = Description::from_toml(&text)
-        .map_err(|error| if is_material_file(Path::new(name)) == Ok(true) { varies() } else { locate(error) })?;
+    let description = Description::from_toml(text).map_err(|error| match Node::from_toml(text) {
+        Ok(node) if is_material(&node) => varies(name),
+        _ => locate(error),
+    })?;
     let stack = AnyStack::new(&description, change).map_err(locate)?;
     Ok(Material { name: description.name.unwrap_or_else(|| name.to_owned()), stack })
+}
+
+fn varies(name: &str) -> String {
+    format!(
+        "{name} is a material that varies over a surface, and a stack is wanted; `brdf check` judges it, `brdf render` shows it"
+    )
 }
 
 /// Reads the name of a model.

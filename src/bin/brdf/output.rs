@@ -60,6 +60,8 @@ impl Destination {
         let destination = Destination { path: path.to_owned() };
         let tried = if path.is_dir() {
             Err(io::Error::from(io::ErrorKind::IsADirectory))
+        } else if is_named_pipe(path) {
+            Err(io::Error::other("is a named pipe, which may have no reader: name a file, or /dev/stdout"))
         } else if destination.is_stream() {
             OpenOptions::new().write(true).open(path).map(drop)
         } else {
@@ -116,6 +118,18 @@ impl Destination {
     fn failure(&self, error: &io::Error) -> Failure {
         format!("{}: {error}", self.path.display()).into()
     }
+}
+
+/// Whether opening it waits until somebody else does. What /dev leads to is open already.
+#[cfg(unix)]
+fn is_named_pipe(path: &Path) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    !path.starts_with("/dev") && path.metadata().is_ok_and(|about| about.file_type().is_fifo())
+}
+
+#[cfg(not(unix))]
+fn is_named_pipe(_: &Path) -> bool {
+    false
 }
 
 #[cfg(test)]

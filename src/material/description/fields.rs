@@ -3,7 +3,7 @@
 use super::{DescriptionError, FINITE, NOT_NEGATIVE, Reader, whole, within};
 use crate::layered::description::Value;
 use crate::layered::description::tree::{Entry, Table, suggestion};
-use crate::material::field::{Colour, Lookup, Noise, Property, Scalar, Scratches};
+use crate::material::field::{Colour, FREQUENCY_RANGE, Lookup, Noise, Property, Scalar, Scratches};
 use crate::texture::image::{Encoding, Filter};
 use crate::texture::ramp::{Ramp, RampError, Stop};
 use alloc::boxed::Box;
@@ -15,6 +15,7 @@ use core::ops::RangeInclusive;
 const SCALAR: &str = "a number, a property such as \"occlusion\", or a table such as { noise = { frequency = 2.0 } }";
 const COLOUR: &str =
     "a number, a list of three numbers, or a table such as { ramp = [[0, 0, 0], [1, 1, 1]], by = \"v\" }";
+const CELLS: &str = "a number of cells in a unit of length, or three";
 /// A shader unrolls a sum.
 const MOST_TERMS: usize = 16;
 /// A shader holds the stops of a ramp in an array.
@@ -208,7 +209,7 @@ impl Reader<'_> {
 fn noise(entry: &Entry<'_>) -> Result<Noise, DescriptionError> {
     let keys = &["seed", "amplitude", "frequency", "octaves", "gain", "lacunarity"];
     let table = entry.table(keys, "a table such as { seed = 1, frequency = 2.0, octaves = 5 }")?;
-    let frequency = triple(&table.require("frequency", "a number of cells in a unit of length, or three")?, &FINITE)?;
+    let frequency = triple(&table.require("frequency", CELLS)?, &FREQUENCY_RANGE)?;
     let number = |key, default| table.get(key).map_or(Ok(default), |entry| within(&entry, &FINITE));
     Ok(Noise {
         seed: table.get("seed").map_or(Ok(0), |entry| whole(&entry, 0..=u32::MAX))?,
@@ -223,7 +224,7 @@ fn noise(entry: &Entry<'_>) -> Result<Noise, DescriptionError> {
 fn scratches(entry: &Entry<'_>) -> Result<Scratches, DescriptionError> {
     let keys = &["seed", "frequency", "density", "width", "layers"];
     let table = entry.table(keys, "a table such as { frequency = 2.0, width = 0.01, layers = 8 }")?;
-    let frequency = triple(&table.require("frequency", "a number of cells in a unit of length, or three")?, &FINITE)?;
+    let frequency = triple(&table.require("frequency", CELLS)?, &FREQUENCY_RANGE)?;
     let number = |key, default, range| table.get(key).map_or(Ok(default), |entry| within(&entry, range));
     let usual = Scratches::new(0, 1.0);
     Ok(Scratches {
@@ -257,10 +258,10 @@ fn pair<'a>(entry: &Entry<'a>) -> Result<[Entry<'a>; 2], DescriptionError> {
 fn repeat(table: &Table<'_>) -> Result<[f64; 2], DescriptionError> {
     let Some(entry) = table.get("repeat") else { return Ok([1.0; 2]) };
     if matches!(entry.node.value, Value::Number(_)) {
-        return Ok([within(&entry, &FINITE)?; 2]);
+        return Ok([within(&entry, &FREQUENCY_RANGE)?; 2]);
     }
     let [u, v] = pair(&entry)?;
-    Ok([within(&u, &FINITE)?, within(&v, &FINITE)?])
+    Ok([within(&u, &FREQUENCY_RANGE)?, within(&v, &FREQUENCY_RANGE)?])
 }
 
 fn channel(entry: &Entry<'_>) -> Result<usize, DescriptionError> {

@@ -11,7 +11,8 @@ use super::offline::{self, Options};
 use super::prefilter::Prefiltered;
 use super::realtime::{self, Fragment};
 use super::scene::Scene;
-use crate::gpu::{Gpu, GpuError, Kernel};
+use super::shape::Shape;
+use crate::gpu::{Gpu, GpuError, Kernel, texel_bytes};
 use crate::wgsl::{self, LinkError, NoTwin};
 use core::fmt;
 use std::time::{Duration, Instant};
@@ -63,6 +64,7 @@ impl fmt::Display for PictureError {
         match self {
             PictureError::NoTwin(error) => write!(f, "{error}; render it without --gpu"),
             PictureError::Link(error) => error.fmt(f),
+            PictureError::Gpu(error @ GpuError::TooLarge { .. }) => write!(f, "{error}, or render without --gpu"),
             PictureError::Gpu(error) => error.fmt(f),
         }
     }
@@ -100,12 +102,12 @@ impl Program {
         let material = wgsl::material(&scene.material)?;
         let source = wgsl::link(&format!("{material}\n{}", parts.join("\n")))?;
         let textured = source.contains("material_texel(");
+        gpu.bindable(size_of_val(words) as u64, || large(scene))?;
+        let texels = if textured { Some(texel_bytes(gpu, scene.material.images())?) } else { None };
         let bindings = format!("{SCENE_BINDINGS}{}", if textured { TEXEL_BINDINGS } else { "" });
         let kernel = Kernel::new(gpu, &source, function, Some(&bindings))?;
         let mut storage = vec![bytemuck::cast_slice(words).to_vec()];
-        if textured {
-            storage.push(texels(scene));
-        }
+        storage.extend(texels);
         let outputs = kernel.signature().output_words();
         Ok(Program { kernel, storage, outputs })
     }
@@ -129,15 +131,14 @@ impl Program {
     }
 }
 
-/// The texels of a material's images, one image after the other.
-fn texels(scene: &Scene) -> Vec<u8> {
-    let mut all: Vec<[f32; 4]> = Vec::new();
-    for image in scene.material.images() {
-        all.extend(image.texels());
-    }
-    // An adapter refuses an empty buffer.
-    all.resize(all.len().max(1), [0.0; 4]);
-    bytemuck::cast_slice(&all).to_vec()
+/// What of a scene can be large.
+fn large(scene: &Scene) -> String {
+    let side = scene.environment.map().side();
+    let mesh = match &scene.shape {
+        Shape::Mesh(mesh) => format!("the mesh (of {} triangles)", mesh.triangles().len()),
+        _ => "the shape".to_owned(),
+    };
+    format!("{mesh} and the environment (kept as {side}×{side} texels)")
 }
 
 /// The picture of [`offline::render`], but for rounding.

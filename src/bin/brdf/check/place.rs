@@ -1,7 +1,8 @@
 //! `--at`: one place of one subject, evaluated again.
 
 use super::subjects::Loaded;
-use super::twins::Twins;
+use super::twins::{Twins, left_out};
+use crate::output::complain;
 use brdf::Vector;
 use brdf::check::{self, Check, Effort, Fixed, Place, Profile, Subject, Verdict, albedo, reciprocity};
 use std::io::{self, Write};
@@ -96,7 +97,11 @@ pub(super) fn print(
         match at.directions {
             Directions::Marginal { theta, phi, fixed } => marginal(out, subject, theta, phi, fixed, settings),
             Directions::Pair { wi, wo } => {
-                let gpu = loaded.on_gpu(values, twins, &[(wi.cast(), wo.cast())]);
+                let gpu = loaded.on_gpu(values, twins, &[(wi.cast(), wo.cast())]).transpose();
+                let gpu = gpu.unwrap_or_else(|reason| {
+                    complain(&left_out(&reason));
+                    None
+                });
                 pair(out, subject, wi, wo, gpu.as_deref(), settings)
             }
         }

@@ -97,7 +97,9 @@ impl Shaders {
         Ok(Loaded {
             notes: family.notes().to_vec(),
             fault: Some(Box::new(move || faulty.error().map(str::to_owned))),
-            gpu: Some(Box::new(move |gpu, values, pairs| run.evaluate_on(gpu, values, pairs).ok())),
+            gpu: Some(Box::new(move |gpu, values, pairs| {
+                run.evaluate_on(gpu, values, pairs).map_err(|error| error.to_string())
+            })),
             prove: Some(Box::new(move |options| {
                 let formula = ShaderFormula::new(&proved).map_err(|error| error.to_string())?;
                 Ok(prove::prove(&formula, options))

@@ -4,7 +4,7 @@ use super::pinned::pin;
 use super::shaders::Shaders;
 use super::twins::Twins;
 use crate::failure::Failure;
-use crate::material::{self, AnyStack, Change, Material, Varying};
+use crate::material::{self, AnyStack, Change, Material};
 use brdf::Vector;
 use brdf::check::explorer::Explorer;
 use brdf::check::merl::Merl;
@@ -98,8 +98,8 @@ pub(super) struct Loaded {
 
 type Prove = dyn Fn(&check::prove::Options) -> Result<check::prove::Proof, String>;
 
-/// f of every channel of many pairs, one after the other, for the values of the parameters.
-type RunOnGpu = dyn Fn(&Gpu, &[f64], &[(Vector<f32>, Vector<f32>)]) -> Option<Vec<f32>>;
+/// f of every channel of many pairs, one after the other, for the values of the parameters; or why the adapter refuses.
+type RunOnGpu = dyn Fn(&Gpu, &[f64], &[(Vector<f32>, Vector<f32>)]) -> Result<Vec<f32>, String>;
 
 impl Loaded {
     pub(super) fn new(judged: Judged, kind: impl Into<String>) -> Self {
@@ -120,19 +120,19 @@ impl Loaded {
         self.fault.as_ref().and_then(|fault| fault())
     }
 
-    /// f of pairs on the adapter, where there is one and the subject runs there.
+    /// f of pairs on the adapter, where there is one and the subject has a twin; or why the adapter refuses it.
     pub(super) fn on_gpu(
         &self,
         values: &[f64],
         twins: &Twins,
         pairs: &[(Vector<f32>, Vector<f32>)],
-    ) -> Option<Vec<f32>> {
-        self.gpu.as_ref().zip(twins.gpu.as_ref()).and_then(|(run, gpu)| run(gpu, values, pairs))
+    ) -> Option<Result<Vec<f32>, String>> {
+        self.gpu.as_ref().zip(twins.gpu.as_ref()).map(|(run, gpu)| run(gpu, values, pairs))
     }
 
     /// What pictures are drawn from.
     pub(super) fn figures(&self, values: &[f64], twins: &Twins) -> Figures {
-        let run = |pairs: &[(Vector<f32>, Vector<f32>)]| self.on_gpu(values, twins, pairs);
+        let run = |pairs: &[(Vector<f32>, Vector<f32>)]| self.on_gpu(values, twins, pairs).and_then(Result::ok);
         match &self.judged {
             Judged::Subject(subject) => Figures::new(&**subject, Vec::new(), Some(&run)),
             Judged::Family(family) => Figures::of_family(&**family, values, Some(&run)),
@@ -213,7 +213,7 @@ impl Reading {
             return Ok(self.shaders.load(name, Language::Wgsl, &self.values, &self.ranges)?);
         }
         if material::is_built_in(name) || !Path::new(name).exists() {
-            return Ok(self.load_material(name)?);
+            return Ok(self.load_built_in(name)?);
         }
         let at = |error: &dyn std::fmt::Display| format!("{name}: {error}");
         let bytes = std::fs::read(name).map_err(|error| at(&error))?;
@@ -245,28 +245,44 @@ impl Reading {
                     ..Loaded::new(Judged::Family(Box::new(family.map_err(|error| at(&error))?)), "BRDF Explorer")
                 })
             }
-            Kind::Stack => Ok(self.load_material(name)?),
+            // What was read is the text: a pipe has it once.
+            Kind::Stack => Ok(self.load_text(name, &String::from_utf8(bytes).map_err(|error| at(&error))?)?),
+            Kind::Wgsl | Kind::Glsl if !Path::new(name).is_file() => {
+                let problem =
+                    "is no file, and what it holds is read: name it by --wgsl or --glsl, or write it to a file";
+                Err(at(&problem).into())
+            }
             Kind::Wgsl => Ok(self.shaders.load(name, Language::Wgsl, &self.values, &self.ranges)?),
             Kind::Glsl => Ok(self.shaders.load(name, Language::Glsl, &self.values, &self.ranges)?),
         }
     }
 
-    /// A stack or a material, by name or from a file of TOML.
-    fn load_material(&self, name: &str) -> Result<Loaded, String> {
-        let mut notes = Vec::new();
-        let family = match material::varying(name)? {
-            None => return self.load_stack(name),
-            Some(Varying::BuiltIn) => MaterialFamily::built_in(name).ok_or_else(|| format!("{name} cannot be made"))?,
-            Some(Varying::File(file)) => {
-                if let Some(part) = material::walking_part(&file.material) {
-                    return Err(format!("{name}: part[{part}]: {NOISE}; choose `coupled`"));
-                }
-                let twin = brdf::wgsl::material(&file.material);
-                notes.extend(twin.err().map(|error| format!("no adapter runs it: {error}")));
-                let called = file.name.map(|called| format!("{called} of {name}"));
-                MaterialFamily::new(called.unwrap_or_else(|| name.to_owned()), &file.material)
+    /// A built-in stack or material.
+    fn load_built_in(&self, name: &str) -> Result<Loaded, String> {
+        match material::varying(name)? {
+            None => self.plain(material::load(name, self.change())?),
+            Some(_) => {
+                let family = MaterialFamily::built_in(name).ok_or_else(|| format!("{name} cannot be made"))?;
+                self.varying(name, family, None)
             }
+        }
+    }
+
+    /// A stack or a material, from the text of a file of TOML.
+    fn load_text(&self, name: &str, text: &str) -> Result<Loaded, String> {
+        let Some(file) = material::described(name, text)? else {
+            return self.plain(material::read(name, text, self.change())?);
         };
+        if let Some(part) = material::walking_part(&file.material) {
+            return Err(format!("{name}: part[{part}]: {NOISE}; choose `coupled`"));
+        }
+        let lack = brdf::wgsl::material(&file.material).err().map(|error| format!("no adapter runs it: {error}"));
+        let called = file.name.map(|called| format!("{called} of {name}"));
+        self.varying(name, MaterialFamily::new(called.unwrap_or_else(|| name.to_owned()), &file.material), lack)
+    }
+
+    /// A material, and why no adapter runs it, if none does.
+    fn varying(&self, name: &str, family: MaterialFamily, lack: Option<String>) -> Result<Loaded, String> {
         let option = self.model.map(|_| "--model").or(self.widths.map(|_| "--widths"));
         if let Some(option) = option {
             return Err(format!("{name}: {option} is about stacks, and this material says itself what its layers do"));
@@ -275,20 +291,22 @@ impl Reading {
         let pinned = pin(Box::new(Shared(Arc::clone(&family))), &self.values, &self.ranges);
         let pinned = Arc::new(pinned.map_err(|error| format!("{name}: {error}"))?);
         let (faulty, whole) = (Arc::clone(&family), Arc::clone(&pinned));
+        let run: Box<RunOnGpu> =
+            Box::new(move |gpu, values, pairs| family.evaluate_on(gpu, &whole.whole(values), pairs));
         Ok(Loaded {
             fault: Some(Box::new(move || faulty.error().map(str::to_owned))),
-            gpu: Some(Box::new(move |gpu, values, pairs| family.evaluate_on(gpu, &whole.whole(values), pairs))),
-            notes,
+            gpu: lack.is_none().then_some(run),
+            notes: lack.into_iter().collect(),
             ..Loaded::new(Judged::Family(Box::new(Shared(pinned))), "material")
         })
     }
 
-    fn load_stack(&self, name: &str) -> Result<Loaded, String> {
-        let material = material::load(name, self.change())?;
+    /// A stack, which has no parameters.
+    fn plain(&self, material: Material) -> Result<Loaded, String> {
         if material.stack.model() == Model::Walk {
             return Err(format!("{}: {NOISE}; use --model coupled, or `brdf bench layered`", material.name));
         }
-        self.without_parameters(name)?;
+        self.without_parameters(&material.name)?;
         Ok(from_stack(material))
     }
 
@@ -310,8 +328,10 @@ fn walk(folder: &Path, sources: &mut Vec<Source>) -> Result<(), Failure> {
     for entry in std::fs::read_dir(folder).map_err(at)? {
         let path: PathBuf = entry.map_err(at)?.path();
         let hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+        // A pipe may never be written to.
+        let is_stream = path.metadata().is_ok_and(|about| !about.is_file() && !about.is_dir());
         // A link to a folder can lead back to itself.
-        if hidden || (path.is_symlink() && path.is_dir()) {
+        if hidden || is_stream || (path.is_symlink() && path.is_dir()) {
             continue;
         }
         if path.is_dir() {

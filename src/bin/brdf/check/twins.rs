@@ -60,21 +60,28 @@ impl Twins {
                 let values = loaded.judged.values(&finding.parameters);
                 known.gpu = loaded
                     .on_gpu(&values, self, &[(wi.cast(), wo.cast())])
+                    .and_then(Result::ok)
                     .map(|f| f.into_iter().map(f64::from).collect())
                     .unwrap_or_default();
             }
         }
-        report.findings.extend(self.deviation(loaded, values, seed));
+        match self.deviation(loaded, values, seed).transpose() {
+            Ok(finding) => report.findings.extend(finding),
+            Err(reason) => report.notes.push(left_out(&reason)),
+        }
     }
 
-    fn deviation(&self, loaded: &Loaded, values: &[f64], seed: u32) -> Option<Finding> {
+    fn deviation(&self, loaded: &Loaded, values: &[f64], seed: u32) -> Option<Result<Finding, String>> {
         let narrow: Vec<(Vector<f32>, Vector<f32>)> = Class::ALL
             .iter()
             .flat_map(|class| (0..PAIRS).map(|i| class.pair(i, seed)))
             .filter(|(wi, wo)| wi.z.min(wo.z) > GRAZING)
             .map(|(wi, wo)| (wi.cast(), wo.cast()))
             .collect();
-        let got = loaded.on_gpu(values, self, &narrow)?;
+        let got = match loaded.on_gpu(values, self, &narrow)? {
+            Ok(got) => got,
+            Err(reason) => return Some(Err(reason)),
+        };
         let wide: Vec<(Vector<f64>, Vector<f64>)> = narrow.iter().map(|(wi, wo)| (wi.cast(), wo.cast())).collect();
         let (channels, want) = loaded.judged.member(values, |subject| {
             let mut f = vec![0.0; wide.len() * subject.channels()];
@@ -100,7 +107,7 @@ impl Twins {
         let median = deviations.get(deviations.len() / 2).copied().unwrap_or(0.0);
         let lost = if broken > 0 { format!(", {broken} not finite where f64 is") } else { String::new() };
         let name = loaded.judged.member(values, |subject| subject.channel_name(index % channels));
-        Some(Finding {
+        Some(Ok(Finding {
             single: true,
             verdict: Verdict::Pass,
             binding: false,
@@ -111,8 +118,15 @@ impl Twins {
             parameters: loaded.judged.named(values),
             note: format!("worst relative deviation from f64, median {median:.1e}{lost}"),
             ..Finding::new(Check::Gpu)
-        })
+        }))
     }
+}
+
+/// The line of a report that says why it has none of an adapter.
+pub(super) fn left_out(reason: &str) -> String {
+    // wgpu speaks in several lines.
+    let line = reason.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(", ");
+    format!("the adapter is left out: {line}")
 }
 
 fn finding(comparison: &Comparison, gpu: &Gpu) -> Finding {
