@@ -149,7 +149,7 @@ mod tests {
     #[test]
     fn rough_lobes_keep_what_leaves_the_stack() {
         let mirror = |alpha| Layer::new(Interface::conductor([0.1; 3], [9.0; 3], alpha));
-        let (mut squares, mut count) = (0.0, 0.0);
+        let (mut squares, mut count) = (0.0f64, 0.0);
         for n in [1.0, 1.2, 1.5, 1.8, 2.4] {
             for alpha in [0.01, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0] {
                 let mut layers = std::vec![mirror(alpha)];
@@ -167,7 +167,7 @@ mod tests {
                 }
             }
         }
-        let rms: f64 = (squares / count as f64).sqrt();
+        let rms = (squares / count).sqrt();
         assert!(rms < 0.017 + 0.003, "{rms}");
     }
 

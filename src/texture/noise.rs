@@ -186,14 +186,14 @@ fn gradients(cell: [i32; 3], seed: u32) -> [f64; 24] {
     // All hashes before the first lookup: the compiler then takes several at once.
     let mut words = [0; 8];
     for corner in 0..8u32 {
-        let [dx, dy, dz] = [corner & 1, corner >> 1 & 1, corner >> 2];
+        let [dx, dy, dz] = [corner & 1, (corner >> 1) & 1, corner >> 2];
         let place = [x.wrapping_add(dx), y.wrapping_add(dy), z.wrapping_add(dz), seed];
         [words[corner as usize], ..] = random_words(place);
     }
     let mut gradients = [0.0; 24];
     for corner in 0..8 {
         // In [0, 12).
-        let edge = EDGES[((words[corner] >> 16) * 12 >> 16) as usize];
+        let edge = EDGES[(((words[corner] >> 16) * 12) >> 16) as usize];
         for axis in 0..3 {
             gradients[3 * corner + axis] = f64::from(edge[axis]);
         }

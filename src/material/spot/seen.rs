@@ -60,6 +60,7 @@ impl<R: Real> Seen<'_, '_, R> {
 
 /// What a part draws for a view, in the part's own frame.
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant)] // in a box, each point of a picture would allocate
 pub(super) enum Lobes<R> {
     /// Lobes of layers; the share `even` of the samples is drawn from the cosine instead.
     Layers {
