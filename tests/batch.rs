@@ -304,12 +304,12 @@ fn the_unit_circle_is_the_same_at_every_level() {
     // Eighths, where one quarter's series ends and the next one's begins; the ends and what lies beyond them.
     let steps = 40_000;
     let within = (0..=steps).map(|i| i as f32 / steps as f32);
-    let turns: Vec<f32> = within.chain((0..=8).map(|i| i as f32 / 8.0)).chain([-1.0, 2.0, f32::NAN]).collect();
+    let columns = [within.chain((0..=8).map(|i| i as f32 / 8.0)).chain([-1.0, 2.0, f32::NAN]).collect::<Vec<f32>>()];
     for level in Level::available() {
-        let [cosines, sines] = run(level, &UnitCircle, &[turns.clone()], 0..turns.len());
-        for ((turn, cosine), sine) in turns.iter().zip(cosines).zip(sines) {
+        let [cosines, sines] = run(level, &UnitCircle, &columns, 0..columns[0].len());
+        for ((turn, cosine), sine) in columns[0].iter().zip(cosines).zip(sines) {
             // NaN counts as 0, and turns are clamped.
-            let (c, s) = f64::from(turn.max(0.0).min(1.0)).unit_circle();
+            let (c, s) = f64::from(turn.saturate()).unit_circle();
             for (got, want) in [(cosine, c), (sine, s)] {
                 let ulp = f64::from(f32::EPSILON) * want.abs().max(f64::from(f32::MIN_POSITIVE));
                 assert!((f64::from(got) - want).abs() <= 3.0 * ulp, "{turn} at {}: {got}, {want}", level.name());
