@@ -187,7 +187,7 @@ mod tests {
             assert_eq!(lobes.len(), count, "{model:?}");
             let reflectance = crate::fresnel::dielectric(0.6, 1.5).reflectance;
             let upper = lobes.first().expect("a lobe");
-            // The documents' keeps all of F; of ours facets mask a part: 1 − .27·α²·.6, and of α/2·tanθ of the lobe's edge nothing.
+            // The documents' keeps all of F; of ours facets mask a part, .27·α²·cosθ, and the narrow lobe loses nothing at its edges.
             let kept = if model == Model::Elek { 1.0 } else { 1.0 - 0.27 * 0.01 * 0.6 };
             assert!((upper.weight[0] - kept * reflectance).abs() < 1e-6 && upper.alpha == 0.1, "{upper:?}");
             assert!(!upper.diffuse && (model != Model::Elek || upper.weight[0] == reflectance), "{upper:?}");

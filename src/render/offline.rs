@@ -198,7 +198,7 @@ fn heuristic<R: Real>(own: R, other: R) -> R {
 /// The picture, on the threads of the current pool: in vector instructions where the scene lets them (one stack under a closed-form
 /// model, on a convex shape), else path by path over f64.
 ///
-/// Both take the same paths: their pictures differ by the rounding of f32.
+/// Both take the same paths: their pictures differ by the rounding of f32, which is not the same for all sets of instructions.
 pub fn render(scene: &Scene, options: Options, progress: &Progress<'_>) -> Film {
     match Convex::new(scene, options) {
         Some(convex) => tiled(scene, progress, |pixels| convex.tallies(Level::detect(), pixels)),
